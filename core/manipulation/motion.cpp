@@ -159,15 +159,20 @@ void nameByParts(Motion& motion) {
   for (const PatchTrack& track : motion.tracks)
     taken.insert(track.name);
   std::map<std::string, std::string> named;
+  std::map<std::string, int> counts;  // of names that were tried, by part
   for (PatchTrack& track : motion.tracks) {
     if (!isForeign(track)) continue;
     const auto [known, is_new] = named.try_emplace(track.name);
     if (is_new) {
       const std::optional<hand::HandLocation>& place = track.keys.front().patch.place;
-      const std::string part = place ? hand::partName(place->digit, place->segment) : "c1";
-      known->second = part;
-      for (int k = 2; !taken.insert(known->second).second; ++k)
-        known->second = place ? fmt::format("{}_{}", part, k) : fmt::format("c{}", k);
+      const std::string part = place ? hand::partName(place->digit, place->segment) : "";
+      int& count = counts[part];
+      do {
+        ++count;
+        known->second = !place       ? fmt::format("c{}", count)
+                        : count == 1 ? part
+                                     : fmt::format("{}_{}", part, count);
+      } while (!taken.insert(known->second).second);
     }
     track.name = known->second;
     for (PatchKey& key : track.keys)

@@ -28,8 +28,6 @@ using optimize::SolveReport;
 constexpr std::size_t kTriedPlacements = 4;  // laid out and solved in full
 constexpr int kTrialEvaluations = 300;
 constexpr int kRefinements = 2;
-constexpr int kSlides = 12;
-constexpr double kSmallGain = 0.01;  // of the cost: taken, but as good as none
 
 // Of searches that are begun again where none of the patches is reached.
 constexpr int kStartsAnew[] = {8, 32};
@@ -66,12 +64,6 @@ bool reachesNothing(const PoseProblem& posed, const SolveReport& report) {
   for (const optimize::PointPair& pair : posed.pairs)
     if (pair.weight > 0.0) asked.insert(pair.patch);
   return !asked.empty() && optimize::missedPatches(posed, report).size() == asked.size();
-}
-
-/// A point that is lost no longer counts: that alone makes nothing better.
-double costOf(const PoseProblem& posed, const SolveReport& solved) {
-  return solved.terms.objective - placement::kLost * placement::kLost * posed.weights.distance *
-                                      static_cast<double>(posed.pairs.size());
 }
 
 }  // namespace
@@ -254,9 +246,10 @@ Solution DerivedState::solveOnce(const SolverSettings& solving,
   options.threads = run.threads;
   options.on_improvement = run.on_improvement;
   if (solving.paper || run.places_stay) {
-    SolveReport standing = optimize::solve(problem(solving), options, progress);
+    const PoseProblem posed = problem(solving);
+    SolveReport standing = optimize::solve(posed, options, progress);
     // Where a place that was let go had pulled the hand away, nothing leads back.
-    if (solving.paper || !document_.held.empty() || !reachesNothing(problem(solving), standing))
+    if (solving.paper || !document_.held.empty() || !reachesNothing(posed, standing))
       return answered(std::move(standing), solving);
     options.starts = std::max(options.starts, optimize::kDefaultStarts);
   }
@@ -338,12 +331,6 @@ std::vector<Minimum> DerivedState::searchAbout(SolveReport& report,
   slideRoots(report, solving, step, progress, kWorseSlides);
   goOn(report, solving, options, progress);
   return found;
-}
-
-bool DerivedState::slides() const {
-  return std::any_of(patches_.begin(), patches_.end(), [](const SessionPatch& item) {
-    return item.placement && item.root_is_open;
-  });
 }
 
 void DerivedState::layDraftsInFull(SolveReport& report,
@@ -467,48 +454,6 @@ bool DerivedState::refineDirections(SolveReport& report,
   report = std::move(refined);
   outcome.keep();
   return true;
-}
-
-std::vector<Minimum> DerivedState::slideFreely(SolverSettings solving,
-                                               SolveOptions options,
-                                               const Progress& progress) {
-  if (!slides()) return {};
-  solving.avoid_penetration = false;
-  options.on_improvement = nullptr;
-  SolveReport report = optimize::solve(problem(solving), options, progress);
-  std::vector<Minimum> found = std::move(report.minima);
-  slideRoots(report, solving, options, progress, kWorseSlides);
-  // The best has gone on with the patches since.
-  found.front().pose = report.pose;
-  return found;
-}
-
-void DerivedState::slideRoots(SolveReport& report,
-                              const SolverSettings& solving,
-                              SolveOptions options,
-                              const Progress& progress,
-                              int worse_at_most) {
-  // A slide is a step from where the hand is: it needs no other start.
-  options.starts = 1;
-  Search best(*this);
-  double least = costOf(problem(solving), report);
-  SolveReport present = report;
-  // A step that moves all roots at once may first make things worse, so a few in a row may.
-  for (int i = 0, worse = 0; i < kSlides && worse < worse_at_most; ++i) {
-    if (!takePlacesFrom(present.pose)) break;
-    transfer(progress);
-    start_ = present.pose;
-    const PoseProblem slid = problem(solving);
-    if (slid.pairs.empty()) break;
-    present = optimize::solve(slid, options, progress);
-    const double now = costOf(slid, present);
-    ++worse;
-    if (!(now < least)) continue;
-    if (now < (1.0 - kSmallGain) * least) worse = 0;
-    best.keep();
-    least = now;
-    report = present;
-  }
 }
 
 }  // namespace handgraft::session

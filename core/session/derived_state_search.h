@@ -13,6 +13,9 @@ inline constexpr int kWorseSlides = 3;  ///< in a row
 /// Small steps from a pose that is out of the object stay where they are out of it.
 optimize::SolveOptions stepOf(optimize::SolveOptions options);
 
+/// The objective; a point that is lost no longer counts, and that alone makes nothing better.
+double costOf(const optimize::PoseProblem& posed, const optimize::SolveReport& solved);
+
 /// Deep inside the object, or through a wall of it.
 bool isInside(const optimize::SolveReport& solved);
 
