@@ -35,12 +35,13 @@ CommandOutput Editor::showMotion() {
   result.frames = framesOf(server_, session_->id());
   requireConsistent(result);
   CommandOutput output{"", json::motionFit(result)};
+  const std::optional<v1::EditTime>& when = session_->when();
+  if (when) output.data["frame"] = json::motionFrame(result, when->time_s());
   const std::set<std::string> off = session_->patchesOff();
   for (std::string& patch : result.motion.patches())
     if (off.contains(patch)) patch += " (off)";
   output.text = text::motionFit(result);
-  if (const std::optional<v1::EditTime>& when = session_->when())
-    output.text += "\n" + text::motionFrame(result, when->time_s());
+  if (when) output.text += "\n" + text::motionFrame(result, when->time_s());
   return output;
 }
 

@@ -262,6 +262,18 @@ Json motionFit(const MotionResult& result) {
   return fit;
 }
 
+Json motionFrame(const MotionResult& result, double time_s) {
+  Json frame = jsonOf(frameAt(result, time_s));
+  for (const char* empty : {"bodies", "X_WL"})
+    frame.erase(empty);
+  for (Json& patch : frame["patches"]) {
+    patch["name"] = result.motion.patches()[patch.at("patch").get<std::size_t>()];
+    for (const char* empty : {"outline_O_m", "hand_W_m"})
+      patch.erase(empty);
+  }
+  return frame;
+}
+
 Json motion(const MotionResult& result) {
   Json document = jsonOf(result.summary);
   if (!result.kept) document["session_id"] = nullptr;

@@ -33,6 +33,9 @@ Json motion(const MotionResult& result);
 /// Of those `patches`, and `frames_touching`.
 Json motionFit(const MotionResult& result);
 
+/// MotionFrame of the frame that holds at a time, its patches with their names.
+Json motionFrame(const MotionResult& result, double time_s);
+
 }  // namespace json
 
 /// A line a frame: time, fit, depth, speeds, how many joints stand at limits.

@@ -488,6 +488,10 @@ TEST(MotionText, SaysWhatIsNeverThereOrReached) {
   const json fit = client::json::motionFit(result);
   EXPECT_EQ(fit.at("frames_touching"), 3);
   EXPECT_EQ(fit.at("patches").at(1).at("frames_reached"), 1);
+  const json frame = client::json::motionFrame(result, 1.4);
+  EXPECT_EQ(frame.at("index"), 1);
+  EXPECT_EQ(frame.at("patches").at(1).at("name"), "index");
+  EXPECT_EQ(frame.at("patches").at(1).at("reached"), true);
 }
 
 }  // namespace
