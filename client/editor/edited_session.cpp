@@ -215,6 +215,7 @@ MotionUpdate EditedSession::awaitMotion(std::uint64_t revision) {
             news.changed == 0 ? frame.time_s() : std::min(news.first_s, frame.time_s());
         news.last_s = std::max(news.last_s, frame.time_s());
         news.max_depth_m = std::max(news.max_depth_m, frame.max_depth_m());
+        news.self_depth_m = std::max(news.self_depth_m, frame.self_depth_m());
         ++news.changed;
       }
       news.is_complete = some.is_last();

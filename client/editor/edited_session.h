@@ -26,6 +26,7 @@ struct MotionUpdate {
   double first_s = 0.0;  ///< of those that changed
   double last_s = 0.0;
   double max_depth_m = 0.0;
+  double self_depth_m = 0.0;
 };
 
 /// Errors of every call: those of Session.

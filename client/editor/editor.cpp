@@ -319,13 +319,14 @@ CommandOutput Editor::tellMotion(std::uint64_t revision) {
                     ? fmt::format("revision {}: no frame of the motion changed\n", revision)
                     : fmt::format(
                           "revision {}: {} of {} frames changed, {:.3f} to {:.3f} s, at most "
-                          "{:.2f} mm inside\n",
+                          "{:.2f} mm inside and {:.2f} in itself\n",
                           revision, news.changed, news.frame_count, news.first_s, news.last_s,
-                          1e3 * news.max_depth_m);
+                          1e3 * news.max_depth_m, 1e3 * news.self_depth_m);
   if (news.changed > 0) {
     output.data["first_s"] = news.first_s;
     output.data["last_s"] = news.last_s;
     output.data["max_depth_m"] = news.max_depth_m;
+    output.data["self_depth_m"] = news.self_depth_m;
   }
   return output;
 }

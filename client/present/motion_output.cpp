@@ -151,15 +151,28 @@ std::string reachedOverTime(const MotionResult& result) {
   return fmt::format("{} frames touch, in {} every patch is reached", touching, reaching);
 }
 
+/// When a frame's `depth_of` is largest.
+template <class DepthOf>
+std::string deepestText(const MotionResult& result, const DepthOf& depth_of) {
+  const auto deepest =
+      std::max_element(result.frames.begin(), result.frames.end(),
+                       [&](const v1::MotionFrame& a, const v1::MotionFrame& b) {
+                         return depth_of(a) < depth_of(b);
+                       });
+  return depth_of(*deepest) > 0.0
+             ? fmt::format("{:.2f} mm at {:.2f} s", 1e3 * depth_of(*deepest), deepest->time_s())
+             : "never";
+}
+
 std::string insideText(const MotionResult& result) {
-  const auto deepest = std::max_element(result.frames.begin(), result.frames.end(),
-                                        [](const v1::MotionFrame& a, const v1::MotionFrame& b) {
-                                          return a.max_depth_m() < b.max_depth_m();
-                                        });
-  return deepest->max_depth_m() > 0.0
-             ? fmt::format("inside the object: {:.2f} mm at {:.2f} s\n",
-                           1e3 * deepest->max_depth_m(), deepest->time_s())
-             : "inside the object: never\n";
+  return fmt::format("inside the object: {}\ninside itself: {}\n",
+                     deepestText(result,
+                                 [](const v1::MotionFrame& frame) {
+                                   return frame.max_depth_m();
+                                 }),
+                     deepestText(result, [](const v1::MotionFrame& frame) {
+                       return frame.self_depth_m();
+                     }));
 }
 
 /// The last frame that is not behind `time_s`.
@@ -233,7 +246,8 @@ std::string motionFrame(const MotionResult& result, double time_s) {
                      frame.patches().empty() ? ": no contact" : "") +
          (frame.patches().empty() ? "" : table(rows, "lrrrl")) +
          fmt::format(
-             "inside the object: {:.2f} mm\njoints at limits: {}\n", 1e3 * frame.max_depth_m(),
+             "inside the object: {:.2f} mm\ninside itself: {:.2f} mm\njoints at limits: {}\n",
+             1e3 * frame.max_depth_m(), 1e3 * frame.self_depth_m(),
              frame.joints_at_limit().empty() ? "none"
                                              : listed(limitNames(frame.joints_at_limit())));
 }
@@ -309,17 +323,18 @@ Json motion(const MotionResult& result) {
 
 std::string frameTable(const MotionResult& result) {
   std::string text =
-      "time_s,mean_mm,normal_deg,patches,reached,depth_mm,velocity,acceleration,jerk,"
-      "joints_at_limit\n";
+      "time_s,mean_mm,normal_deg,patches,reached,depth_mm,self_depth_mm,velocity,acceleration,"
+      "jerk,joints_at_limit\n";
   const std::vector<FrameMeasure> measures = measuresOf(result);
   for (std::size_t k = 0; k < result.frames.size(); ++k) {
     const v1::MotionFrame& frame = result.frames[k];
     const FrameMeasure& measure = measures[k];
-    fmt::format_to(std::back_inserter(text), "{:.9g},{},{},{},{},{:.6g},{},{},{},{}\n",
+    fmt::format_to(std::back_inserter(text), "{:.9g},{},{},{},{},{:.6g},{:.6g},{},{},{},{}\n",
                    frame.time_s(), cellText(measure.mean_mm), cellText(measure.normal_deg),
                    measure.patches, measure.reached, 1e3 * frame.max_depth_m(),
-                   cellText(measure.velocity), cellText(measure.acceleration),
-                   cellText(measure.jerk), frame.joints_at_limit().size());
+                   1e3 * frame.self_depth_m(), cellText(measure.velocity),
+                   cellText(measure.acceleration), cellText(measure.jerk),
+                   frame.joints_at_limit().size());
   }
   return text;
 }

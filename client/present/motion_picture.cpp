@@ -34,6 +34,7 @@ constexpr std::size_t kFewestOfAnArea = 3;
 constexpr float kPointRadius = 6.0F;  // pixels
 constexpr float kPointLine = 2.0F;
 constexpr Color kDark{24, 28, 34};
+constexpr Color kItself{150, 156, 165};
 
 /// Recorded points: a dot on the object each, and the way from there to its place on the hand.
 void addPoints(render::Scene& scene,
@@ -161,14 +162,16 @@ std::vector<render::PlotPanel> panelsOf(const MotionResult& result) {
   // === The whole hand
   const std::vector<FrameMeasure> measures = measuresOf(result);
   render::PlotLine mean{time_s, {}, kDark, 3.0, false, "mean"};
-  render::PlotLine depth{time_s, {}, kDark, 2.0, false, ""};
+  render::PlotLine depth{time_s, {}, kDark, 2.0, false, "in the object"};
+  render::PlotLine self_depth{time_s, {}, kItself, 2.0, false, "in itself"};
   render::PlotLine speed{time_s, {}, kDark, 2.0, false, ""};
   double deepest = 1.0;
   for (std::size_t k = 0; k < frames; ++k) {
     mean.y.push_back(measures[k].mean_mm);
     depth.y.push_back(1e3 * result.frames[k].max_depth_m());
+    self_depth.y.push_back(1e3 * result.frames[k].self_depth_m());
     speed.y.push_back(measures[k].velocity);
-    deepest = std::max(deepest, depth.y.back());
+    deepest = std::max({deepest, depth.y.back(), self_depth.y.back()});
   }
   distance.lines.push_back(std::move(mean));
 
@@ -185,7 +188,8 @@ std::vector<render::PlotPanel> panelsOf(const MotionResult& result) {
     joints.lines.push_back(std::move(line));
   }
   std::vector<render::PlotPanel> panels{std::move(distance), std::move(normals)};
-  panels.push_back({"deepest (mm)", {std::move(depth)}, {{0.0, deepest}}, 0.8});
+  panels.push_back(
+      {"deepest (mm)", {std::move(self_depth), std::move(depth)}, {{0.0, deepest}}, 0.8});
   panels.push_back({"fastest joint (rad/s)", {std::move(speed)}, {}, 0.8});
   panels.push_back(std::move(joints));
   return panels;
@@ -228,11 +232,12 @@ render::Image motionPicture(const MotionResult& result,
   const render::Plot plot{
       fmt::format("{}: {}", text::titleOf(result.session, result.hand, "on"),
                   nameCalled(result.motion.name())),
-      fmt::format(
-          "{} frames: {:.2f} mm and {:.0f} deg off in the mean, {:.2f} mm deep at most, "
-          "largest step of a joint {:.3g} {}",
-          summary.frame_count(), summary.mean_mm(), summary.normal_deg(),
-          1e3 * summary.max_depth_m(), unit.scale * summary.max_step(), unit.name),
+      fmt::format("{} frames: {:.2f} mm and {:.0f} deg off in the mean, {:.2f} mm deep at "
+                  "most, {:.2f} in "
+                  "itself, largest step of a joint {:.3g} {}",
+                  summary.frame_count(), summary.mean_mm(), summary.normal_deg(),
+                  1e3 * summary.max_depth_m(), 1e3 * summary.self_depth_m(),
+                  unit.scale * summary.max_step(), unit.name),
       "time (s)", panelsOf(result)};
   copyInto(whole, render::drawPlot(plot, {kColumns * kTile.width, kPlotHeight}), 0,
            rows * kTile.height);

@@ -70,18 +70,17 @@ namespace {
 
 /// Which angle the verdicts judge, where the table's could be taken for it.
 std::string normalsLegend(const v1::PoseSolution& solution) {
-  constexpr double kFacingDeg = 60.0;  // what a verdict permits (core/optimize/diagnosis.h)
   const bool puzzles = std::any_of(
       solution.patches().begin(), solution.patches().end(), [](const v1::PatchFit& patch) {
         const v1::Verdict verdict = patch.diagnosis().verdict();
         return verdict == v1::VERDICT_NORMALS_IN_CONFLICT ||
-               (verdict == v1::VERDICT_REACHED && patch.normal_deg() > kFacingDeg);
+               (verdict == v1::VERDICT_REACHED && patch.normal_deg() > v1::REACHED_FACING_DEG);
       });
   if (!puzzles) return "";
   return fmt::format(
       "normal deg is the mean over a patch's points; judged is the angle between the mean "
       "normals of both sides, at most {:.0f} deg\n",
-      kFacingDeg);
+      v1::REACHED_FACING_DEG);
 }
 
 }  // namespace

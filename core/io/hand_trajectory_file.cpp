@@ -168,7 +168,7 @@ Columns columnsOf(const std::vector<std::string>& cells, HandTrajectoryFile& fil
   for (const auto* pose : {&columns.X_WH, &columns.X_WO})
     if (*pose) known.insert((*pose)->begin(), (*pose)->end());
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (known.contains(i) || cells[i] == "max_depth_m") continue;
+    if (known.contains(i) || cells[i] == "max_depth_m" || cells[i] == "self_depth_m") continue;
     columns.joints.push_back(i);
     file.joints.push_back(cells[i]);
   }

@@ -129,7 +129,8 @@ std::string trajectoryJson(const HandTrajectory& trajectory) {
                       {"X_WH", poseJson(rows.qpos.col(k).head(7))},
                       {"X_WO", poseJson(rows.qpos.col(k).tail(7))},
                       {"joints", std::vector<double>(q.data(), q.data() + q.size())},
-                      {"max_depth_m", trajectory.solved->depth_m[at]},
+                      {"max_depth_m", trajectory.solved->depths[at].object_m},
+                      {"self_depth_m", trajectory.solved->depths[at].self_m},
                       {"patches", std::move(patches)}});
   }
   document["frames"] = std::move(frames);
@@ -145,13 +146,14 @@ std::string trajectoryCsv(const HandTrajectory& trajectory) {
   for (const char* pose : {"X_WH", "X_WO"})
     for (const char* entry : {"x", "y", "z", "qw", "qx", "qy", "qz"})
       text += fmt::format(",{}.{}", pose, entry);
-  text += ",max_depth_m\n";
+  text += ",max_depth_m,self_depth_m\n";
   for (Eigen::Index k = 0; k < rows.qpos.cols(); ++k) {
     const auto at = static_cast<std::size_t>(k);
-    fmt::format_to(std::back_inserter(text), "{:.9g},{},{},{},{:.6g}\n", rows.time_s[at],
-                   numbersOf(rows.qpos.col(k).segment(7, joints), ","),
-                   numbersOf(rows.qpos.col(k).head(7), ","),
-                   numbersOf(rows.qpos.col(k).tail(7), ","), trajectory.solved->depth_m[at]);
+    fmt::format_to(
+        std::back_inserter(text), "{:.9g},{},{},{},{:.6g},{:.6g}\n", rows.time_s[at],
+        numbersOf(rows.qpos.col(k).segment(7, joints), ","),
+        numbersOf(rows.qpos.col(k).head(7), ","), numbersOf(rows.qpos.col(k).tail(7), ","),
+        trajectory.solved->depths[at].object_m, trajectory.solved->depths[at].self_m);
   }
   return text;
 }

@@ -24,7 +24,7 @@ struct HandTrajectory {
 std::string trajectoryJson(const HandTrajectory& trajectory);
 
 /// A line a frame: `time_s`, a column a joint (independent ones, then those that mimic them),
-/// `X_WH.x` to `X_WH.qz`, `X_WO.x` to `X_WO.qz`, `max_depth_m`.
+/// `X_WH.x` to `X_WH.qz`, `X_WO.x` to `X_WO.qz`, `max_depth_m`, `self_depth_m`.
 std::string trajectoryCsv(const HandTrajectory& trajectory);
 
 /// Binary glTF 2.0 as glbBytes writes a grasp, with an animation that moves every link and the

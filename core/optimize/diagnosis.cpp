@@ -249,10 +249,6 @@ std::vector<double> weightsOf(const PoseProblem& problem, const SolveReport& rep
   return weights;
 }
 
-bool isNear(const PatchFit& fit, const DiagnosisOptions& options) {
-  return fit.mean_mm <= options.reached_mm;
-}
-
 }  // namespace
 
 std::string_view nameOf(Verdict verdict) {
@@ -267,6 +263,8 @@ std::string_view nameOf(Verdict verdict) {
       return "out_of_reach";
     case Verdict::kFacingWrong:
       return "normals_in_conflict";
+    case Verdict::kNoClearance:
+      return "no_clearance";
   }
   HANDGRAFT_REQUIRE(false && "a verdict of the list");
   return {};
@@ -298,8 +296,7 @@ std::vector<int> missedPatches(const PoseProblem& problem,
   const std::vector<double> facing = facingAngles(problem, report);
   std::vector<int> missed;
   for (std::size_t k = 0; k < report.patches.size(); ++k) {
-    const bool is_reached =
-        isNear(report.patches[k], options) && facing[k] <= options.facing_deg;
+    const bool is_reached = isReached(report.patches[k].mean_mm, facing[k], options);
     if (weights[k] > 0.0 && !is_reached) missed.push_back(report.patches[k].patch);
   }
   return missed;
@@ -384,7 +381,7 @@ Diagnosis diagnose(const PoseProblem& problem,
       one.alone_mm =
           std::min(fit.mean_mm, reachedAlone(problem, report, k, options.reached_mm));
       one.sensitivities = sensitivitiesOfPatch(openings, k);
-      if (!isNear(fit, options)) {
+      if (fit.mean_mm > options.reached_mm) {
         if (open.patches.empty()) open = openAll(problem, report, options, meter, relaxer);
         const double left = std::max(0.0, open.patches[k] - options.reached_mm);
         one.verdict = left <= kHalf * one.miss_mm ? Verdict::kAtLimit : Verdict::kOutOfReach;

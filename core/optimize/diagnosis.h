@@ -16,9 +16,10 @@ enum class Verdict {
   kAtLimit,      ///< joints at their limits keep it away
   kOutOfReach,   ///< so does the rest of the hand
   kFacingWrong,  ///< near enough, facing the wrong way
+  kNoClearance,  ///< whatever the pose: the finger is too thick (core/verdict judges that)
 };
 
-/// `none reached at_limit out_of_reach normals_in_conflict`.
+/// `none reached at_limit out_of_reach normals_in_conflict no_clearance`.
 std::string_view nameOf(Verdict verdict);
 
 struct DiagnosisOptions {
@@ -32,6 +33,13 @@ struct DiagnosisOptions {
   /// A limit is worth naming from so much on: share of the objective.
   double least_gain = 1e-4;
 };
+
+/// Whether a patch counts as reached: near enough, facing the right way.
+constexpr bool isReached(double mean_mm,
+                         double facing_deg,
+                         const DiagnosisOptions& options = DiagnosisOptions()) {
+  return mean_mm <= options.reached_mm && facing_deg <= options.facing_deg;
+}
 
 /// What it would bring to move one joint limit out.
 struct LimitSensitivity {
@@ -50,6 +58,8 @@ struct PatchDiagnosis {
   double facing_deg = 0.0;  ///< between the mean normals of both sides; a bend costs nothing
   double miss_mm = 0.0;     ///< mean distance beyond what counts as reached
   double alone_mm = 0.0;    ///< mean distance if this patch alone had to be reached
+  /// By which the finger is too thick for the place, as core/verdict finds; 0: not known to be.
+  double missing_clearance_m = 0.0;
   /// Those that bring it nearer, largest `gain_mm` first; at most three.
   std::vector<LimitSensitivity> sensitivities;
 };

@@ -105,9 +105,14 @@ Shared sharedWith(const LinkSolid& solid, const DistanceGrid& object_O, const Po
   return shared;
 }
 
-void measureItself(const hand::HandSolid& hand,
-                   const hand::LinkPoses& X_OL,
-                   Penetration& result) {
+/// The deepest pair of links in each other, if any.
+struct SelfDepth {
+  double depth_m = 0.0;
+  std::array<int, 2> links = {-1, -1};
+};
+
+SelfDepth measureItself(const hand::HandSolid& hand, const hand::LinkPoses& X_OL) {
+  SelfDepth result;
   for (const auto& [i, j] : hand.collisionPairs()) {
     const LinkSolid& a = hand.links()[static_cast<std::size_t>(i)];
     const LinkSolid& b = hand.links()[static_cast<std::size_t>(j)];
@@ -116,10 +121,9 @@ void measureItself(const hand::HandSolid& hand,
     if ((X_OA * a.centre_L - X_OB * b.centre_L).norm() > a.radius + b.radius) continue;
     const Pose X_BA = inverse(X_OB) * X_OA;
     const double depth = std::max(depthOf(a, b, X_BA), depthOf(b, a, inverse(X_BA)));
-    if (depth <= std::max(kTouch, result.self_depth_m)) continue;
-    result.self_depth_m = depth;
-    result.self_links = {a.link, b.link};
+    if (depth > std::max(kTouch, result.depth_m)) result = {depth, {a.link, b.link}};
   }
+  return result;
 }
 
 }  // namespace
@@ -152,25 +156,33 @@ Penetration measurePenetration(const hand::HandModel& model,
                    });
   if (!result.links.empty()) result.max_depth_m = result.links.front().depth_m;
   if (inside.area > 0.0) result.mean_depth_m = inside.depth_area / inside.area;
-  measureItself(hand, X_OL, result);
+  const SelfDepth self = measureItself(hand, X_OL);
+  result.self_depth_m = self.depth_m;
+  result.self_links = self.links;
   return result;
 }
 
-double measureDepth(const hand::HandModel& model,
-                    const hand::HandSolid& hand,
-                    const geometry::Solid& object_O,
-                    const hand::HandPose& X_OH,
-                    const Progress& progress,
-                    const std::vector<ContactSide>& sides) {
+Depths deeperOf(const Depths& a, const Depths& b) {
+  return {std::max(a.object_m, b.object_m), std::max(a.self_m, b.self_m)};
+}
+
+Depths measureDepths(const hand::HandModel& model,
+                     const hand::HandSolid& hand,
+                     const geometry::Solid& object_O,
+                     const hand::HandPose& X_OH,
+                     const Progress& progress,
+                     const std::vector<ContactSide>& sides) {
   hand::LinkPoses X_OL;
   hand::forwardKinematics(model, X_OH.X_WH, X_OH.q, X_OL);
   Inside inside;
-  double deepest = 0.0;
+  Depths deepest;
   for (const LinkSolid& solid : hand.links()) {
     const Pose& X = X_OL[static_cast<std::size_t>(solid.link)];
     if (object_O.grid().isClear(X * solid.centre_L, solid.radius)) continue;
-    deepest = std::max(deepest, depthIn(solid, object_O, X, sides, inside, progress));
+    deepest.object_m =
+        std::max(deepest.object_m, depthIn(solid, object_O, X, sides, inside, progress));
   }
+  deepest.self_m = measureItself(hand, X_OL).depth_m;
   return deepest;
 }
 

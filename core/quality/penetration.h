@@ -48,13 +48,24 @@ Penetration measurePenetration(const hand::HandModel& model,
                                const std::vector<ContactSide>& sides = {},
                                const Progress& progress = Progress());
 
-/// The deepest point alone, of a pose in O: `max_depth_m` for less: neither volumes nor what
-/// the hand does to itself, nor objects within a link.
-double measureDepth(const hand::HandModel& model,
-                    const hand::HandSolid& hand,
-                    const geometry::Solid& object_O,
-                    const hand::HandPose& X_OH,
-                    const Progress& progress,
-                    const std::vector<ContactSide>& sides = {});
+/// The deepest points alone.
+struct Depths {
+  double object_m = 0.0;  ///< in the object
+  double self_m = 0.0;    ///< of one link in another that it should not meet
+
+  bool operator==(const Depths&) const = default;
+};
+
+/// The deeper of both, each for itself: over many poses.
+Depths deeperOf(const Depths& a, const Depths& b);
+
+/// `max_depth_m` and `self_depth_m` of a pose in O for less: neither volumes nor objects within
+/// a link.
+Depths measureDepths(const hand::HandModel& model,
+                     const hand::HandSolid& hand,
+                     const geometry::Solid& object_O,
+                     const hand::HandPose& X_OH,
+                     const Progress& progress,
+                     const std::vector<ContactSide>& sides = {});
 
 }  // namespace handgraft::quality

@@ -76,8 +76,7 @@ void measureDepths(const hand::Hand& hand,
       progress.report("measuring depths",
                       static_cast<double>(k) / static_cast<double>(poses.size()));
     }
-    solved.depth_m[k] =
-        placement::deepestOf(hand.model, hand.skin, object_O, poses[k], progress);
+    solved.depths[k] = placement::depthsOf(hand.model, hand.skin, object_O, poses[k], progress);
   };
   parallelFor(range.end - range.first, measure, std::max(1, threads));
 }
@@ -312,7 +311,7 @@ const EditedMotion::Base& EditedMotion::base(const Work& work) {
   solved.notes.insert(solved.notes.end(), solved.trajectory.notes.begin(),
                       solved.trajectory.notes.end());
   solved.laid = {as_laid, &as_laid->motion};
-  solved.depth_m.assign(static_cast<std::size_t>(count), 0.0);
+  solved.depths.assign(static_cast<std::size_t>(count), {});
   measureDepths(work.hand, object_O_, {0, count}, work.threads, work.progress, solved);
   bases_.push_front({work.base_key, std::move(as_laid), made});
   std::size_t frames = 0;
@@ -357,8 +356,7 @@ void EditedMotion::solveStretches(const Work& work,
               solved.trajectory.poses.begin() + range.first);
     std::copy(known->objective.begin(), known->objective.end(),
               solved.trajectory.objective.begin() + range.first);
-    std::copy(known->depth_m.begin(), known->depth_m.end(),
-              solved.depth_m.begin() + range.first);
+    std::copy(known->depths.begin(), known->depths.end(), solved.depths.begin() + range.first);
   }
   for (Open& one : open) {
     const FrameRange range = one.range;
@@ -372,7 +370,7 @@ void EditedMotion::solveStretches(const Work& work,
     };
     stretch.poses = part(solved.trajectory.poses);
     stretch.objective = part(solved.trajectory.objective);
-    stretch.depth_m = part(solved.depth_m);
+    stretch.depths = part(solved.depths);
     stretches_.push_front(std::move(stretch));
     if (on_stretch) on_stretch(solved, range);
   }

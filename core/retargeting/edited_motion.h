@@ -78,7 +78,7 @@ class EditedMotion {
     std::string key;  ///< of its base and its edits
     std::vector<hand::HandPose> poses;
     std::vector<double> objective;
-    std::vector<double> depth_m;
+    std::vector<quality::Depths> depths;
   };
 
   struct Work;  ///< what one solve is about

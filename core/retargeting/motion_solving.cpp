@@ -158,7 +158,6 @@ std::vector<PatchFrameFit> MotionFits::at(int frame) const {
     sums.hand_O += n_O;
     sums.object_O -= pair.n_W;
   }
-  const optimize::DiagnosisOptions reached;
   std::vector<PatchFrameFit> result;
   for (auto& [track, fit] : fits) {
     if (fit.points == 0) continue;
@@ -166,7 +165,7 @@ std::vector<PatchFrameFit> MotionFits::at(int frame) const {
     const Normals& sums = normals[track];
     if (sums.count > 0) fit.normal_deg /= sums.count;
     const double facing_deg = inDegrees(angleBetween(sums.hand_O, sums.object_O));
-    fit.reached = fit.mean_mm <= reached.reached_mm && facing_deg <= reached.facing_deg;
+    fit.reached = optimize::isReached(fit.mean_mm, facing_deg);
     result.push_back(fit);
   }
   return result;

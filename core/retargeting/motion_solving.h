@@ -9,6 +9,7 @@
 #include "core/manipulation/motion.h"
 #include "core/manipulation/motion_problem.h"
 #include "core/manipulation/trajectory.h"
+#include "core/quality/penetration.h"
 #include "core/session/document.h"
 #include "core/session/models.h"
 
@@ -30,7 +31,7 @@ struct SolvedMotion {
   manipulation::MotionProblem problem;
   std::vector<int> track_of;  ///< of each of the problem's tracks: which of the motion's it is
   manipulation::Trajectory trajectory;  ///< poses in O
-  std::vector<double> depth_m;          ///< of each frame's deepest point in the object
+  std::vector<quality::Depths> depths;  ///< a frame
   /// The motion with what was edited for all of it, its patches where they lie on the hand.
   std::shared_ptr<const manipulation::Motion> laid;
   std::vector<std::string> notes;

@@ -87,7 +87,6 @@ void fill(const PoseProblem& problem,
   row.outcome = report.outcome;
   row.terms = report.terms;
   row.q = report.pose.q;
-  const optimize::DiagnosisOptions reached;
   const std::vector<double> facing_deg = optimize::facingAngles(problem, report);
   double sum_mm = 0.0;
   double sum_deg = 0.0;
@@ -98,8 +97,7 @@ void fill(const PoseProblem& problem,
     sum_mm += fit.point_count * fit.mean_mm;
     sum_deg += fit.point_count * fit.normal_mean_deg;
     row.max_mm = std::max(row.max_mm, fit.max_mm);
-    if (fit.point_count > 0 && fit.mean_mm <= reached.reached_mm &&
-        facing_deg[i] <= reached.facing_deg)
+    if (fit.point_count > 0 && optimize::isReached(fit.mean_mm, facing_deg[i]))
       ++row.reached_count;
   }
   for (const session::SessionPatch& item : patches)
@@ -201,13 +199,10 @@ class Sweep {
           hand::makeVariant(*hand_.model, hand_.model->name(), changes);
       if (variant.shape_changed) {
         bent = bentSurfaces(variant);
-        if (options_.solving.avoids())
-          solid =
-              std::make_shared<const hand::HandSolid>(variant.model, *bent->skin, progress_);
+        solid = std::make_shared<const hand::HandSolid>(variant.model, *bent->skin, progress_);
       }
     }
-    if (options_.solving.avoids() && solid == nullptr)
-      solid = placement::solidOf(hand_.model, hand_.skin, quiet_);
+    if (solid == nullptr) solid = placement::solidOf(hand_.model, hand_.skin, quiet_);
     std::vector<TransferredGrasp> laid(grasps_.size());
     std::vector<LaidSweepMotion> laid_motions(grasps_.size());
     forEach(pool, grasps_.size(), [&](std::size_t i) {
@@ -236,7 +231,7 @@ class Sweep {
     return surfaces;
   }
 
-  /// `solid`: the hand's, of this shape; null where penetration costs nothing.
+  /// `solid`: the hand's, of this shape.
   SweepRow solveRow(std::size_t combination,
                     std::size_t grasp,
                     const TransferredGrasp& laid,
@@ -255,17 +250,14 @@ class Sweep {
           hand::makeVariant(*hand_.model, hand_.model->name(),
                             changesOf(axes_, combinations_[combination], Which::kAll),
                             hand::VariantSurfaces::kLeftOut);
-      std::shared_ptr<optimize::Avoidance> avoidance;
-      if (solid != nullptr) {
-        avoidance = std::make_shared<optimize::Avoidance>();
-        avoidance->hand = solid;
-        avoidance->object_O = placement::solidOf(grasps_[grasp].object_O, quiet_);
-      }
+      const auto solids = std::make_shared<optimize::Avoidance>();
+      solids->hand = solid;
+      solids->object_O = placement::solidOf(grasps_[grasp].object_O, quiet_);
       const auto begin = std::chrono::steady_clock::now();
       if (is_motion)
-        solveMotionRow(motions_[grasp], laid_motion, variant, avoidance, quiet_, row);
+        solveMotionRow(motions_[grasp], laid_motion, variant, solids, quiet_, row);
       else
-        solveGrasp(bases_[grasp], laid, variant, avoidance, row);
+        solveGrasp(bases_[grasp], laid, variant, solids, row);
       const std::chrono::duration<double, std::milli> spent =
           std::chrono::steady_clock::now() - begin;
       row.solve_ms = spent.count();
@@ -278,7 +270,7 @@ class Sweep {
   void solveGrasp(const SweepBase& base,
                   const TransferredGrasp& laid,
                   const hand::HandVariant& variant,
-                  std::shared_ptr<const optimize::Avoidance> avoidance,
+                  const std::shared_ptr<const optimize::Avoidance>& solids,
                   SweepRow& row) {
     if (laid.pairs.empty()) rejectInput("no patch has a point on the hand");
     PoseProblem problem =
@@ -289,9 +281,13 @@ class Sweep {
     problem.start = {base.solved.X_WH, hand::poseOfVariant(variant, base.solved.q)};
     problem.prior = base.prior;  // also beyond a row's limits: all rows are pulled alike
     problem.prior_weights = base.prior_weights;
-    problem.avoidance = std::move(avoidance);
-    fill(problem, base.patches,
-         optimize::solve(problem, solveOptions(options_.solving), quiet_), row);
+    if (options_.solving.avoids()) problem.avoidance = solids;
+    const optimize::SolveReport report =
+        optimize::solve(problem, solveOptions(options_.solving), quiet_);
+    fill(problem, base.patches, report, row);
+    row.depths =
+        quality::measureDepths(*problem.model, *solids->hand, *solids->object_O, report.pose,
+                               quiet_, session::contactSides(base.patches));
   }
 
   /// One more of `count` is done.

@@ -12,6 +12,7 @@
 #include "core/hand/variant.h"
 #include "core/manipulation/motion.h"
 #include "core/optimize/solve_report.h"
+#include "core/quality/penetration.h"
 #include "core/session/session.h"
 #include "core/session/solver_settings.h"
 
@@ -69,7 +70,9 @@ struct SweepRow {
   double mean_mm = 0.0;  ///< over all points of patches that count
   double max_mm = 0.0;
   double normal_deg = 0.0;
-  int patch_count = 0;    ///< of those that have a place on the hand and count
+  quality::Depths
+      depths;           ///< also where penetration costs nothing; of a motion's deepest frames
+  int patch_count = 0;  ///< of those that have a place on the hand and count
   int reached_count = 0;  ///< of those, as optimize/diagnosis.h has it; in all their frames
   std::vector<LimitedJoint> joints_at_limit;  ///< in half of a motion's frames at least
   Eigen::VectorXd q;                          ///< of a grasp

@@ -206,7 +206,7 @@ LaidSweepMotion layMotion(const SweepMotionBase& base,
 void solveMotionRow(const SweepMotionBase& base,
                     const LaidSweepMotion& laid,
                     const hand::HandVariant& variant,
-                    std::shared_ptr<const optimize::Avoidance> avoidance,
+                    const std::shared_ptr<const optimize::Avoidance>& solids,
                     const Progress& progress,
                     SweepRow& row) {
   const manipulation::MotionProblem& before = base.solved->problem;
@@ -221,7 +221,7 @@ void solveMotionRow(const SweepMotionBase& base,
   problem.weights = before.weights;
   problem.normal_form = before.normal_form;
   problem.prior = before.prior;  // also beyond a row's limits: all rows are pulled alike
-  problem.avoidance = std::move(avoidance);
+  if (before.avoidance != nullptr) problem.avoidance = solids;
   const manipulation::MotionOptions& options = solved.solving.options;
 
   // What the base does may lie deep in the object by now: a way found from nothing, too.
@@ -236,6 +236,12 @@ void solveMotionRow(const SweepMotionBase& base,
                           ? std::move(from_nothing)
                           : std::move(from_base);
   fill(base, solved, row);
+  for (const hand::HandPose& pose : solved.trajectory.poses) {
+    progress.checkpoint();
+    row.depths =
+        deeperOf(row.depths, quality::measureDepths(*problem.model, *solids->hand,
+                                                    *solids->object_O, pose, progress));
+  }
 }
 
 }  // namespace handgraft::sweep

@@ -42,13 +42,13 @@ LaidSweepMotion layMotion(const SweepMotionBase& base,
                           const transfer::TransferOptions& options,
                           const Progress& progress);
 
-/// Has a variant follow the motion. `avoidance` null: penetration costs nothing. Of `row` what
-/// the answer says.
+/// Has a variant follow the motion; penetration costs what it costs the base. Of `row` what the
+/// answer says.
 /// Errors: InvalidInput; Cancelled.
 void solveMotionRow(const SweepMotionBase& base,
                     const LaidSweepMotion& laid,
                     const hand::HandVariant& variant,
-                    std::shared_ptr<const optimize::Avoidance> avoidance,
+                    const std::shared_ptr<const optimize::Avoidance>& solids,
                     const Progress& progress,
                     SweepRow& row);
 

@@ -70,6 +70,8 @@ std::string textOf(const hand::HandModel& model, const PatchDiagnosis& patch, do
     case Verdict::kFacingWrong:
       return fmt::format("near, {:.1f} mm off, but turned away by {:.0f} degrees", mean_mm,
                          patch.facing_deg);
+    case Verdict::kNoClearance:
+      break;  // known before the pose: clearanceText
   }
   throw BrokenContract("a verdict that does not exist");
 }
@@ -194,7 +196,8 @@ Verdicts verdictsOf(const session::Session& session,
                                         });
     std::string text = textOf(*problem.model, patch, report.patches[k].mean_mm);
     if (clearance != findings.clearances.end() && patch.verdict != Verdict::kNone) {
-      patch.verdict = Verdict::kOutOfReach;
+      patch.verdict = Verdict::kNoClearance;
+      patch.missing_clearance_m = clearance->missing_m;
       patch.miss_mm = std::max(patch.miss_mm, 1e3 * clearance->missing_m);
       text = clearanceText(clearance->missing_m);
     }
@@ -231,7 +234,8 @@ Verdicts verdictsOf(const session::Session& session,
                                        return !item.dropped.empty();
                                      });
   if (dropped > 0) verdicts.line += fmt::format("; {} more dropped", dropped);
-  if (pressToOneSide(problem, verdicts.diagnosis))
+  verdicts.one_sided = pressToOneSide(problem, verdicts.diagnosis);
+  if (verdicts.one_sided)
     verdicts.line += "; what is reached presses to one side: nothing holds the object there";
   verdicts.line += remarks;
   const std::string sizes = lineOf(session, findings);

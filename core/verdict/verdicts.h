@@ -16,9 +16,10 @@ struct Verdicts {
   std::vector<std::string> texts;  ///< a line per patch of the diagnosis
   std::string line;                ///< "4 of 5 patches reached; too large for ring (by 1.1 mm)"
   bool too_large = false;
+  bool one_sided = false;  ///< two patches and more are reached, and press to one side
 };
 
-/// A patch without clearance is out of reach whatever the pose says: the pose enters the
+/// A patch without clearance is not reached whatever the pose says: the pose enters the
 /// object. One that is asked for but has no point on the hand counts as not reached, and the
 /// line names it. One with less than a quarter of its points on the hand, or its root outside
 /// of its boundary, is judged as any other; text and line say so. The line also tells where two

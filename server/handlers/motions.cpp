@@ -66,7 +66,11 @@ v1::MotionSummary summaryOf(const LiveSession& live,
       manipulation::meanFit(manipulation::fitFrames(solved.problem, poses));
   summary.mean_mm(fit.mean_mm);
   summary.normal_deg(fit.normal_deg);
-  summary.max_depth_m(*std::max_element(solved.depth_m.begin(), solved.depth_m.end()));
+  quality::Depths deepest;
+  for (const quality::Depths& one : solved.depths)
+    deepest = deeperOf(deepest, one);
+  summary.max_depth_m(deepest.object_m);
+  summary.self_depth_m(deepest.self_m);
   const manipulation::Smoothness smoothness =
       manipulation::measureSmoothness(solved.problem, poses);
   summary.max_step(smoothness.max_step);
@@ -152,7 +156,8 @@ v1::MotionFrame frameMessage(const LiveMotion& motion,
   const Pose X_WH = X_WO * pose.X_WH;
   message.X_WH(toMessage(X_WH));
   message.joint_positions().assign(pose.q.data(), pose.q.data() + pose.q.size());
-  message.max_depth_m(solved.depth_m[at]);
+  message.max_depth_m(solved.depths[at].object_m);
+  message.self_depth_m(solved.depths[at].self_m);
   message.objective(solved.trajectory.objective[at]);
   message.joints_at_limit(limitsReached(solved.problem, pose.q));
   hand::LinkPoses links_W;

@@ -22,6 +22,8 @@ v1::Verdict toMessage(optimize::Verdict verdict) {
       return v1::VERDICT_OUT_OF_REACH;
     case optimize::Verdict::kFacingWrong:
       return v1::VERDICT_NORMALS_IN_CONFLICT;
+    case optimize::Verdict::kNoClearance:
+      return v1::VERDICT_NO_CLEARANCE;
   }
   throw BrokenContract("a verdict that does not exist");
 }
@@ -85,6 +87,8 @@ void diagnose(const session::Session& session,
     v1::PatchDiagnosis one;
     one.verdict(toMessage(patches[k].verdict));
     one.miss_m(1e-3 * patches[k].miss_mm);
+    one.facing_deg(patches[k].facing_deg);
+    one.missing_clearance_m(patches[k].missing_clearance_m);
     one.alone_mm(patches[k].alone_mm);
     for (const optimize::LimitSensitivity& sensitivity : patches[k].sensitivities)
       one.sensitivities().push_back(toMessage(model, sensitivity));
@@ -96,6 +100,7 @@ void diagnose(const session::Session& session,
   message.is_diagnosed(true);
   message.verdict(verdicts.line);
   message.too_large(verdicts.too_large);
+  message.one_sided(verdicts.one_sided);
 }
 
 std::string checkSizesAhead(const session::Session& session, verdict::FitCheck& check) {

@@ -42,6 +42,8 @@ v1::SweepRow toMessage(const sweep::SweepRow& row) {
   message.mean_mm(row.mean_mm);
   message.max_mm(row.max_mm);
   message.normal_deg(row.normal_deg);
+  message.max_depth_m(row.depths.object_m);
+  message.self_depth_m(row.depths.self_m);
   message.patch_count(static_cast<std::uint32_t>(row.patch_count));
   message.reached_count(static_cast<std::uint32_t>(row.reached_count));
   for (const sweep::LimitedJoint& limit : row.joints_at_limit)

@@ -10,6 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/optimize/diagnosis.h"
+
 namespace handgraft::server {
 namespace {
 
@@ -63,8 +65,17 @@ TEST_F(LiveEdits, SendThePoseFirstAndItsDiagnosisAfterIt) {
   for (std::size_t k = 0; k < pose.patches().size(); ++k) {
     EXPECT_EQ(diagnosed.patches()[k].mean_mm(), pose.patches()[k].mean_mm());
     EXPECT_EQ(pose.patches()[k].diagnosis().text(), "");
-    EXPECT_NE(diagnosed.patches()[k].diagnosis().text(), "");
+    const v1::PatchDiagnosis& diagnosis = diagnosed.patches()[k].diagnosis();
+    EXPECT_NE(diagnosis.text(), "");
+    const bool is_reached = diagnosed.patches()[k].mean_mm() <= v1::REACHED_MM &&
+                            diagnosis.facing_deg() <= v1::REACHED_FACING_DEG;
+    EXPECT_EQ(diagnosis.verdict() == v1::VERDICT_REACHED, is_reached) << diagnosis.text();
   }
+}
+
+TEST(Contract, TellsWhatCountsAsReached) {
+  EXPECT_EQ(v1::REACHED_MM, optimize::DiagnosisOptions().reached_mm);
+  EXPECT_EQ(v1::REACHED_FACING_DEG, optimize::DiagnosisOptions().facing_deg);
 }
 
 TEST_F(LiveEdits, CommandEachPoseOnce) {

@@ -168,10 +168,19 @@ TEST_F(MotionTest, IsSolvedEitherWayAndToldFrameByFrame) {
     EXPECT_LT(summary.max_step(), 0.02);
     EXPECT_LT(summary.max_depth_m(), 0.002);
   }
+  const v1::MotionSummary summary = bus.ask(solveMotion(session, false)).body().motion();
   const v1::Reply all = bus.ask(framesFrom(session, 0));
   ASSERT_EQ(all.error(), v1::ERROR_NONE) << all.message();
   const v1::MotionFrames& frames = all.body().motion_frames();
   ASSERT_EQ(frames.frames().size(), 16u);
+  double depth_m = 0.0;
+  double self_depth_m = 0.0;
+  for (const v1::MotionFrame& frame : frames.frames()) {
+    depth_m = std::max(depth_m, frame.max_depth_m());
+    self_depth_m = std::max(self_depth_m, frame.self_depth_m());
+  }
+  EXPECT_EQ(depth_m, summary.max_depth_m());
+  EXPECT_EQ(self_depth_m, summary.self_depth_m());
   EXPECT_TRUE(frames.is_last());
   EXPECT_NEAR(frames.frames()[15].time_s(), 0.5, 1e-12);
   EXPECT_NEAR(frames.frames()[15].X_WO().p_m()[0], -0.05, 1e-12);

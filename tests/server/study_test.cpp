@@ -186,7 +186,11 @@ TEST_F(StudyTest, ARowOfASweepIsThatOfTheVariant) {
   ASSERT_EQ(solved.error(), v1::ERROR_NONE) << solved.message();
   const double objective = solved.body().solution().terms().objective();
   // The variant's own limits give it a posture of its own, which weighs little.
-  EXPECT_NEAR(swept.body().sweep().rows()[0].terms().objective(), objective, 1e-4 * objective);
+  const v1::SweepRow& row = swept.body().sweep().rows()[0];
+  EXPECT_NEAR(row.terms().objective(), objective, 1e-4 * objective);
+  const v1::Penetration& inside = solved.body().solution().penetration()[0];
+  EXPECT_NEAR(row.max_depth_m(), inside.max_depth_m(), 5e-5);
+  EXPECT_NEAR(row.self_depth_m(), inside.self_depth_m(), 5e-5);
 }
 
 TEST_F(StudyTest, NamesWhatIsWrongWithASweep) {

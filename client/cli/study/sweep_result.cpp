@@ -103,10 +103,12 @@ std::vector<SweepPoint> pointsOf(const SweepResult& result) {
       ++point.solved;
       point.mean_mm += rows[i].mean_mm();
       point.worst_mm = std::max(point.worst_mm, rows[i].mean_mm());
+      point.deepest_mm = std::max(point.deepest_mm, 1e3 * rows[i].max_depth_m());
+      point.self_mm = std::max(point.self_mm, 1e3 * rows[i].self_depth_m());
     }
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     point.mean_mm = point.solved > 0 ? point.mean_mm / point.solved : kNone;
-    if (point.solved == 0) point.worst_mm = kNone;
+    if (point.solved == 0) point.worst_mm = point.deepest_mm = point.self_mm = kNone;
     points.push_back(std::move(point));
   }
   return points;

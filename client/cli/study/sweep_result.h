@@ -30,9 +30,11 @@ std::vector<StudyGrasp> withPatches(const StudyGrasp& motion,
 /// One combination of values, all grasps and motions together.
 struct SweepPoint {
   std::vector<double> values;  ///< one per axis, as in the reply
-  int solved = 0;         ///< grasps and motions with an answer; the rest counts these alone
-  double mean_mm = 0.0;   ///< mean over grasps
-  double worst_mm = 0.0;  ///< largest mean of a grasp
+  int solved = 0;           ///< grasps and motions with an answer; the rest counts these alone
+  double mean_mm = 0.0;     ///< mean over grasps
+  double worst_mm = 0.0;    ///< largest mean of a grasp
+  double deepest_mm = 0.0;  ///< of any grasp inside its object
+  double self_mm = 0.0;     ///< of any grasp's hand in itself
   int patches = 0;
   /// Of a motion's patches the shares of the frames in which they are reached.
   double reached = 0.0;

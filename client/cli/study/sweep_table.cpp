@@ -40,8 +40,8 @@ std::string csvOf(const SweepResult& result) {
   for (std::size_t a = 0; a < result.axes.size(); ++a)
     out += "," + field(axisLabel(result, a));
   out +=
-      ",error,outcome,mean_mm,max_mm,normal_deg,patches,reached,points,objective,distance_m2,"
-      "normal,prior,joints_at_limit,solve_ms";
+      ",error,outcome,mean_mm,max_mm,normal_deg,depth_mm,self_depth_mm,patches,reached,points,"
+      "objective,distance_m2,normal,prior,joints_at_limit,solve_ms";
   for (const std::string& joint : result.reply.joint_names())
     out += "," + field(joint);
   out += "\n";
@@ -51,13 +51,15 @@ std::string csvOf(const SweepResult& result) {
       out += fmt::format(",{:.10g}", result.axes[a].shown(row.values()[a]));
     out += "," + field(row.error());
     if (!row.error().empty()) {
-      out += std::string(13 + result.reply.joint_names().size(), ',') + "\n";
+      out += std::string(15 + result.reply.joint_names().size(), ',') + "\n";
       continue;
     }
     const v1::Terms& terms = row.terms();
     out += fmt::format(
-        ",{},{:.6g},{:.6g},{:.6g},{},{},{},{:.10g},{:.10g},{:.10g},{:.10g},{},{:.4g}",
-        nameOf(row.outcome()), row.mean_mm(), row.max_mm(), row.normal_deg(), row.patch_count(),
+        ",{},{:.6g},{:.6g},{:.6g},{:.4g},{:.4g},{},{},{},{:.10g},{:.10g},{:.10g},{:.10g},{},{:."
+        "4g}",
+        nameOf(row.outcome()), row.mean_mm(), row.max_mm(), row.normal_deg(),
+        1e3 * row.max_depth_m(), 1e3 * row.self_depth_m(), row.patch_count(),
         row.reached_count(), row.point_count(), terms.objective(), terms.distance_m2(),
         terms.normal(), terms.prior(), field(joined(text::limitNames(row.joints_at_limit()))),
         row.solve_ms());
@@ -92,6 +94,8 @@ std::string sweep(const SweepResult& result, int indent) {
     const SweepPoint& best = points[bestOf(points)];
     document["best"] = {{"values", best.values},
                         {"mean_mm", best.mean_mm},
+                        {"max_depth_m", 1e-3 * best.deepest_mm},
+                        {"self_depth_m", 1e-3 * best.self_mm},
                         {"patch_count", best.patches},
                         {"reached_count", best.reached}};
   }

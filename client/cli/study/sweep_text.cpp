@@ -129,13 +129,15 @@ std::string sweep(const SweepResult& result) {
   std::vector<std::vector<std::string>> rows(1);
   for (std::size_t a = 0; a < result.axes.size(); ++a)
     rows[0].push_back(plain(axisLabel(result, a)));
-  rows[0].insert(rows[0].end(), {"mean mm", "worst mm", "patches reached", "grasps"});
+  rows[0].insert(rows[0].end(), {"mean mm", "worst mm", "inside mm", "in itself mm",
+                                 "patches reached", "grasps"});
   for (const std::size_t i : order) {
     const SweepPoint& point = points[i];
     std::vector<std::string>& row = rows.emplace_back();
     for (std::size_t a = 0; a < result.axes.size(); ++a)
       row.push_back(valueText(result, a, point.values[a]));
     row.insert(row.end(), {millimetresText(point.mean_mm), millimetresText(point.worst_mm),
+                           millimetresText(point.deepest_mm), millimetresText(point.self_mm),
                            fmt::format("{} of {}", countText(point.reached), point.patches),
                            fmt::format("{} of {}", point.solved, studiedCount(result))});
   }

@@ -194,7 +194,7 @@ export class Motion {
       is_diagnosed: true,
       verdict: '',
       sensitivities: [],
-      penetration: { max_depth_m: a.max_depth_m, volume_m3: 0, links: [], self_depth_m: 0 },
+      penetration: { max_depth_m: a.max_depth_m, volume_m3: 0, links: [], self_depth_m: a.self_depth_m },
       minima: [],
       chosen_minimum: 0,
       times: [],

@@ -17,6 +17,7 @@ const kVerdicts: Record<Verdict, { sign: string; text: string; tone: string }> =
   at_limit: { sign: '▲', text: 'joint limit', tone: 'warn' },
   out_of_reach: { sign: '✕', text: 'out of reach', tone: 'bad' },
   normals_in_conflict: { sign: '⟲', text: 'faces away', tone: 'bad' },
+  no_clearance: { sign: '✕', text: 'finger too thick', tone: 'bad' },
 };
 const kDegrees = 180 / Math.PI;
 

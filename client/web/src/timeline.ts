@@ -365,7 +365,14 @@ export class Timeline {
       case 'angles':
         return ofPatches((patch) => patch.normal_deg);
       case 'depth':
-        return { series: [motion.frames.map((frame) => 1e3 * frame.max_depth_m)], labels: ['deepest'], colors: [patchColor('', 0)] };
+        return {
+          series: [
+            motion.frames.map((frame) => 1e3 * frame.max_depth_m),
+            motion.frames.map((frame) => 1e3 * frame.self_depth_m),
+          ],
+          labels: ['in the object', 'in itself'],
+          colors: [patchColor('', 0), patchColor('', 1)],
+        };
       case 'joints': {
         const joints = this.session.state?.joint_names ?? [];
         return {

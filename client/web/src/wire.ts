@@ -43,7 +43,7 @@ export interface PatchFit {
   diagnosis: { verdict: Verdict; text: string };
 }
 
-export type Verdict = 'none' | 'reached' | 'at_limit' | 'out_of_reach' | 'normals_in_conflict';
+export type Verdict = 'none' | 'reached' | 'at_limit' | 'out_of_reach' | 'normals_in_conflict' | 'no_clearance';
 
 export interface MinimumInfo {
   solver: string;
@@ -179,6 +179,7 @@ export interface MotionFrame {
   joint_positions: number[];
   patches: FramePatch[]; // that are there
   max_depth_m: number;
+  self_depth_m: number;
   joints_at_limit: { joint: string; side: 'lower' | 'upper' }[];
   X_WL: Pose[];
 }

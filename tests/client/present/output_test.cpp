@@ -470,6 +470,7 @@ TEST(MotionText, SaysWhatIsNeverThereOrReached) {
       fit.reached(patch == 1U && k == 1U);
       if (patch == 0U || k == 1U) frame.patches().push_back(fit);
     }
+    frame.self_depth_m(k == 1U ? 0.0007 : 0.0);
     result.frames.push_back(frame);
   }
   EXPECT_THAT(text::motion(result), AllOf(ContainsRegex("thumb .* 0 % +0.00-2.00 +never\n"),
@@ -481,10 +482,12 @@ TEST(MotionText, SaysWhatIsNeverThereOrReached) {
   EXPECT_THAT(text::motionFit(result),
               AllOf(ContainsRegex("index .* 100 % +1.00 +1.00\n"),
                     HasSubstr("3 frames touch, in 0 every patch is reached"),
-                    HasSubstr("inside the object: never"), Not(HasSubstr("all in all"))));
+                    HasSubstr("inside the object: never\ninside itself: 0.70 mm at 1.00 s\n"),
+                    Not(HasSubstr("all in all"))));
   EXPECT_THAT(text::motionFrame(result, 1.4),
               AllOf(HasSubstr("frame 1 at 1.000 s\n"), ContainsRegex("thumb .* 100 % +no\n"),
-                    ContainsRegex("index .* 100 % +yes\n"), Not(HasSubstr("ring"))));
+                    ContainsRegex("index .* 100 % +yes\n"), Not(HasSubstr("ring")),
+                    HasSubstr("inside itself: 0.70 mm\n")));
   const json fit = client::json::motionFit(result);
   EXPECT_EQ(fit.at("frames_touching"), 3);
   EXPECT_EQ(fit.at("patches").at(1).at("frames_reached"), 1);

@@ -47,7 +47,7 @@ HandTrajectory turning(int frames) {
     pose.q[0] += 0.25 * share;
     solved->trajectory.poses.push_back(pose);
     solved->trajectory.objective.push_back(0.0);
-    solved->depth_m.push_back(0.0);
+    solved->depths.push_back({0.0012, 0.0004});
   }
   solved->trajectory.time_s = motion->time_s;
   solved->problem = manipulation::makeMotionProblem(small.model, motion->time_s);

@@ -255,5 +255,24 @@ TEST(Penetration, TellsWhichLinksLieInEachOther) {
   EXPECT_EQ(found.max_depth_m, 0.0);
 }
 
+TEST(Penetration, DepthsAloneAreThoseOfTheWhole) {
+  const auto ball_O = solidOf(geometry::makeSphere(0.03, 4));
+  const Pose X_WO = at({0, 0.04, 0});
+  Depths deepest;
+  for (const double bend : {0.0, 1.0, 2.0}) {
+    hand::HandPose pose = chain().straight();
+    pose.q << bend, bend, 0.0;
+    const Penetration whole = measure(*ball_O, X_WO, pose);
+    pose.X_WH = inverse(X_WO) * pose.X_WH;
+    const Depths depths =
+        measureDepths(*chain().hand.model, *chain().solid, *ball_O, pose, Progress());
+    EXPECT_NEAR(depths.object_m, whole.max_depth_m, 1e-12) << bend;
+    EXPECT_NEAR(depths.self_m, whole.self_depth_m, 1e-12) << bend;
+    deepest = deeperOf(deepest, depths);
+  }
+  EXPECT_GT(deepest.object_m, 0.005);
+  EXPECT_GT(deepest.self_m, 0.005);
+}
+
 }  // namespace
 }  // namespace handgraft::quality

@@ -115,7 +115,7 @@ TEST_F(MotionBenchTest, EditsAtTimesFollowFromTheFirstAnswerAndFromThemselves) {
   const auto at_once = fresh.solve(two, grasp.hand(), motionSolving(false), 2, Progress());
   for (std::size_t k = 0; k < kFrames; ++k) {
     EXPECT_TRUE(same(step_by_step->trajectory.poses[k], at_once->trajectory.poses[k])) << k;
-    EXPECT_EQ(step_by_step->depth_m[k], at_once->depth_m[k]) << k;
+    EXPECT_EQ(step_by_step->depths[k], at_once->depths[k]) << k;
   }
 }
 

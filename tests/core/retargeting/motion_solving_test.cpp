@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/hand/kinematics.h"
+#include "core/placement/solids.h"
 #include "core/session/session.h"
 
 #include "tests/core/session/ball_motion.h"
@@ -96,7 +97,7 @@ TEST(MotionSolving, TellsOfEachFrameWhatIsThere) {
   const manipulation::Motion motion = ballMotion(grasp);
   const SolvedMotion answer = solved(grasp, motion, grasp.open().document());
   ASSERT_EQ(answer.trajectory.poses.size(), 12u);
-  ASSERT_EQ(answer.depth_m.size(), 12u);
+  ASSERT_EQ(answer.depths.size(), 12u);
   const MotionFits fits(motion, answer);
   EXPECT_EQ(fits.at(0).size(), 3u);
   EXPECT_EQ(fits.at(11).size(), 2u);
@@ -105,6 +106,24 @@ TEST(MotionSolving, TellsOfEachFrameWhatIsThere) {
     EXPECT_EQ(fit.presence, 1.0);
     EXPECT_TRUE(fit.reached);
   }
+}
+
+TEST(MotionSolving, TellsHowDeepEachFrameIs) {
+  const test::BallGrasp grasp;
+  session::Document document = grasp.open().document();
+  document.solving.avoid_penetration = false;
+  const SolvedMotion answer = solved(grasp, ballMotion(grasp), document);
+  const hand::Hand hand = grasp.hand();
+  quality::Depths deepest;
+  for (std::size_t k = 0; k < answer.depths.size(); ++k) {
+    const quality::Penetration whole =
+        placement::penetrationOf(hand.model, hand.skin, grasp.ball, Pose::Identity(),
+                                 answer.trajectory.poses[k], {}, Progress());
+    EXPECT_NEAR(answer.depths[k].object_m, whole.max_depth_m, 1e-12) << k;
+    EXPECT_NEAR(answer.depths[k].self_m, whole.self_depth_m, 1e-12) << k;
+    deepest = deeperOf(deepest, answer.depths[k]);
+  }
+  EXPECT_GT(deepest.object_m, 1e-4);
 }
 
 // A patch that bends about an edge faces the hand if its mean normal does, as in a grasp.
@@ -143,7 +162,7 @@ TEST(MotionSolving, IsTheSameOnAnyNumberOfThreads) {
   for (std::size_t k = 0; k < one.trajectory.poses.size(); ++k) {
     EXPECT_EQ(one.trajectory.poses[k].q, two.trajectory.poses[k].q);
     EXPECT_EQ(one.trajectory.poses[k].X_WH.matrix(), two.trajectory.poses[k].X_WH.matrix());
-    EXPECT_EQ(one.depth_m[k], two.depth_m[k]);
+    EXPECT_EQ(one.depths[k], two.depths[k]);
   }
 }
 

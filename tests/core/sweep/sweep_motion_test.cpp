@@ -74,6 +74,11 @@ TEST(SweepMotion, OfNothingIsTheMotionAsASessionHasIt) {
   EXPECT_GT(thumb, 0);
   EXPECT_EQ(row.reached_count, 3);
   EXPECT_EQ(row.frames_reached, kFrames);
+  quality::Depths deepest;
+  for (const quality::Depths& one : solved.depths)
+    deepest = deeperOf(deepest, one);
+  EXPECT_NEAR(row.depths.object_m, deepest.object_m, 2e-4);
+  EXPECT_NEAR(row.depths.self_m, deepest.self_m, 2e-4);
 }
 
 TEST(SweepMotion, AHandTooSmallForTheBallLosesItsPatches) {

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/optimize/avoidance.h"
+#include "core/verdict/verdicts.h"
 
 #include "tests/core/session/ball_grasp.h"
 
@@ -51,6 +52,23 @@ TEST(Sweep, OfNothingIsTheHandAsItIs) {
   EXPECT_EQ(rows[0].patch_count, 3);
   EXPECT_EQ(rows[0].reached_count, 3);
   EXPECT_EQ(rows[0].point_count, 75);
+}
+
+// Also where depth costs nothing; a hand that is kept out is hardly inside.
+TEST(Sweep, TellsHowDeepEachAnswerIs) {
+  SweepOptions options;
+  const SweepRow kept_out =
+      sweep(BallGrasp().hand(), twoGrasps(), {}, options, Progress()).front();
+  options.solving.avoid_penetration = false;
+  const SweepRow row = sweep(BallGrasp().hand(), twoGrasps(), {}, options, Progress()).front();
+  session::Session session = BallGrasp().open();
+  const optimize::SolveReport report =
+      session.solve(options.solving, session::SolveRun(), Progress()).report;
+  const quality::Penetration told = verdict::penetrationOf(session, report.pose, Progress());
+  ASSERT_GT(told.max_depth_m, 5e-4);
+  EXPECT_NEAR(row.depths.object_m, told.max_depth_m, 1e-5);
+  EXPECT_NEAR(row.depths.self_m, told.self_depth_m, 1e-5);
+  EXPECT_LT(kept_out.depths.object_m, 0.5 * row.depths.object_m);
 }
 
 TEST(Sweep, RunsTheFirstAxisSlowestAndGraspsFastest) {

@@ -77,10 +77,12 @@ TEST(Verdicts, TellThatNothingHoldsWhatIsPressedFromOneSide) {
   const test::BallGrasp grasp;
   session::Session session = grasp.open();
   EXPECT_THAT(solvedAndJudged(session).line, Not(HasSubstr("one side")));
+  EXPECT_FALSE(solvedAndJudged(session).one_sided);
   // The thumb stands against the two fingers.
   session.apply(session::PatchWeightEdit{"thumb", 0.0});
   EXPECT_THAT(solvedAndJudged(session).line,
               HasSubstr("2 of 2 patches reached; what is reached presses to one side"));
+  EXPECT_TRUE(solvedAndJudged(session).one_sided);
   session.apply(session::PatchWeightEdit{"middle", 0.0});
   EXPECT_THAT(solvedAndJudged(session).line, Not(HasSubstr("one side"))) << "a touch";
 }
@@ -163,14 +165,16 @@ TEST(Verdicts, WhatTheHandHasNoPlaceForIsCounted) {
   EXPECT_EQ(solvedAndJudged(session).line, "3 of 3 patches reached; 1 more dropped");
 }
 
-TEST(Verdicts, APatchWithoutRoomIsOutOfReachWhateverThePoseSays) {
+TEST(Verdicts, APatchWithoutClearanceIsNotReachedWhateverThePoseSays) {
   const test::BallGrasp grasp;
   session::Session session = grasp.open();
   const optimize::SolveReport report = session.optimize({}, Progress());
   FitFindings findings;
   findings.clearances.push_back({1, 0.0011});
   const Verdicts verdicts = verdictsOf(session, *session.solvedProblem(), report, findings);
-  EXPECT_EQ(verdicts.diagnosis.patches.at(1).verdict, Verdict::kOutOfReach);
+  EXPECT_EQ(verdicts.diagnosis.patches.at(1).verdict, Verdict::kNoClearance);
+  EXPECT_EQ(verdicts.diagnosis.patches[1].missing_clearance_m, 0.0011);
+  EXPECT_EQ(verdicts.diagnosis.patches[0].missing_clearance_m, 0.0);
   EXPECT_NEAR(verdicts.diagnosis.patches[1].miss_mm, 1.1, 1e-9);
   EXPECT_THAT(verdicts.texts[1], HasSubstr("too thick by at least 1.1 mm"));
   EXPECT_EQ(verdicts.line, "2 of 3 patches reached; too large for index (by 1.1 mm)");

@@ -71,6 +71,20 @@ TEST(SweepResult, MeansOverGrasps) {
   EXPECT_EQ(bestOf(points), 1u);
 }
 
+TEST(SweepResult, TellsTheDeepestOfAPointsGrasps) {
+  SweepResult result = resultOf({{0.1, 4.0, 6.0, 2, 3}, {0.2, 1.0, 2.0, 3, 3}});
+  result.reply.rows()[2].max_depth_m(0.0012);
+  result.reply.rows()[3].max_depth_m(0.0031);
+  result.reply.rows()[2].self_depth_m(0.0004);
+  const std::vector<SweepPoint> points = pointsOf(result);
+  EXPECT_EQ(points[0].deepest_mm, 0.0);
+  EXPECT_NEAR(points[1].deepest_mm, 3.1, 1e-12);
+  EXPECT_NEAR(points[1].self_mm, 0.4, 1e-12);
+  EXPECT_THAT(text::sweep(result),
+              testing::AllOf(HasSubstr("inside mm  in itself mm"),
+                             testing::ContainsRegex("0.2 +1.50 +2.00 +3.10 +0.40 +6 of 6")));
+}
+
 TEST(SweepResult, APointWithoutAllGraspsIsNoBest) {
   SweepResult result = resultOf({{0.1, 0.1, 9.0, 3, 3}, {0.2, 2.0, 2.0, 3, 3}});
   result.reply.rows()[1].error("limits cross");
@@ -120,17 +134,22 @@ TEST(SweepResult, TellsWhatIsAsGoodAsTheBest) {
 
 TEST(SweepResult, WritesATableThatReadsBack) {
   SweepResult result = resultOf({{0.1, 4.0, 6.0, 2, 3}});
+  result.reply.rows()[0].max_depth_m(0.0012);
+  result.reply.rows()[0].self_depth_m(0.0004);
   result.reply.rows()[1].error("lower, \"above\" upper");
   std::istringstream csv(csvOf(result));
   std::string line;
   std::getline(csv, line);
   EXPECT_EQ(line,
-            "grasp,thumb.upper (rad),error,outcome,mean_mm,max_mm,normal_deg,patches,reached,"
-            "points,objective,distance_m2,normal,prior,joints_at_limit,solve_ms,thumb,index");
+            "grasp,thumb.upper (rad),error,outcome,mean_mm,max_mm,normal_deg,depth_mm,"
+            "self_depth_mm,patches,reached,points,objective,distance_m2,normal,prior,"
+            "joints_at_limit,solve_ms,thumb,index");
   std::getline(csv, line);
-  EXPECT_EQ(line, "cup,0.1,,converged,4,0,0,3,2,0,0,0,0,0,thumb upper;index lower,0,0.25,-0.5");
+  EXPECT_EQ(
+      line,
+      "cup,0.1,,converged,4,0,0,1.2,0.4,3,2,0,0,0,0,0,thumb upper;index lower,0,0.25,-0.5");
   std::getline(csv, line);
-  EXPECT_EQ(line, "\"box, red\",0.1,\"lower, \"\"above\"\" upper\",,,,,,,,,,,,,,,");
+  EXPECT_EQ(line, "\"box, red\",0.1,\"lower, \"\"above\"\" upper\",,,,,,,,,,,,,,,,,");
   EXPECT_FALSE(std::getline(csv, line));
 }
 
@@ -176,7 +195,8 @@ TEST(SweepResult, AMotionCountsByTheShareOfItsFrames) {
   EXPECT_THAT(text, testing::ContainsRegex("0\\.3 +20 % +100 % +30 %"));
   EXPECT_THAT(text, HasSubstr("the first patch is lost at thumb.upper = 0.3 rad (pull 2 of 10 "
                               "frames, pull/ring 3 of 10 frames)"));
-  EXPECT_THAT(csvOf(result), HasSubstr("pull/ring,0.2,,converged,2,0,0,10,8,0,0,0,0,0,,0,,"));
+  EXPECT_THAT(csvOf(result),
+              HasSubstr("pull/ring,0.2,,converged,2,0,0,0,0,10,8,0,0,0,0,0,,0,,"));
   const nlohmann::json document = nlohmann::json::parse(json::sweep(result));
   EXPECT_EQ(document.at("grasps").at(2).at("motion"), "pull.json");
   EXPECT_EQ(document.at("grasps").at(4).at("patch"), "ring");
