@@ -16,7 +16,9 @@ namespace {
 constexpr double kLivePause = 0.25;  // s
 constexpr int kTouchesToBegin = 3;
 constexpr int kLiveStarts = 16;
-constexpr double kAngleStep = std::numbers::pi / 36.0;  // rad; of places kept for later frames
+// Of places kept for later frames.
+constexpr double kAngleStep = std::numbers::pi / 36.0;  // rad
+constexpr double kShareStep = 1.0 / 32.0;               // of a segment or the palm
 
 }  // namespace
 
@@ -39,14 +41,21 @@ LiveFollower::LiveFollower(const session::Document& document,
 
 std::optional<hand::LinkPoint> LiveFollower::spotOf(
     const manipulation::DetectedContact& touch) {
-  const int angle = static_cast<int>(std::lround(touch.place.around_rad / kAngleStep));
-  const auto known = spots_.find({touch.part, angle});
+  const auto steps = [](double value, double step) {
+    return static_cast<int>(std::lround(value / step));
+  };
+  const PlaceKey key{touch.part, steps(touch.place.along, kShareStep),
+                     steps(touch.place.around_rad, kAngleStep),
+                     steps(touch.place.across, kShareStep)};
+  const auto known = spots_.find(key);
   if (known != spots_.end()) return known->second;
   hand::HandLocation place = touch.place;
-  place.around_rad = angle * kAngleStep;
+  place.along = key.along * kShareStep;
+  place.around_rad = key.around * kAngleStep;
+  place.across = key.across * kShareStep;
   std::optional<hand::LinkPoint> spot;
   if (const auto found = coordinates_.spotAt(place)) spot = hand_.skin->project(found->root_S);
-  spots_[{touch.part, angle}] = spot;
+  spots_[key] = spot;
   return spot;
 }
 
@@ -81,18 +90,31 @@ optimize::PoseProblem LiveFollower::problemNow() const {
   return single;
 }
 
-std::optional<LiveFollower::Answer> LiveFollower::follow(
-    const manipulation::DemonstratedFrame& frame, const Progress& progress) {
-  if (!std::isfinite(frame.time_s))
-    rejectInput("a frame's time {} s is not finite", frame.time_s);
-  const double step_s = last_s_ ? frame.time_s - *last_s_ : 0.0;
-  if (last_s_ && step_s <= 0.0 && step_s > -kLivePause) {
-    rejectInput("a frame at {} s does not lie behind the one before it, {} s", frame.time_s,
+void LiveFollower::requireLater(double time_s) const {
+  if (!std::isfinite(time_s)) rejectInput("a frame's time {} s is not finite", time_s);
+  if (!last_s_) return;
+  const double step_s = time_s - *last_s_;
+  if (step_s <= 0.0 && step_s > -kLivePause) {
+    rejectInput("a frame at {} s does not lie behind the one before it, {} s", time_s,
                 *last_s_);
   }
-  const std::vector<manipulation::DetectedContact> touches = tracker_.see(frame);
+}
+
+std::optional<LiveFollower::Answer> LiveFollower::follow(
+    const manipulation::DemonstratedFrame& frame, const Progress& progress) {
+  requireLater(frame.time_s);
+  return follow(frame.time_s, frame.X_WO, tracker_.see(frame), progress);
+}
+
+std::optional<LiveFollower::Answer> LiveFollower::follow(
+    double time_s,
+    const Pose& X_WO,
+    const std::vector<manipulation::DetectedContact>& touches,
+    const Progress& progress) {
+  requireLater(time_s);
+  const double step_s = last_s_ ? time_s - *last_s_ : 0.0;
   const bool paused = last_s_ && (step_s > kLivePause || step_s <= 0.0);
-  last_s_ = frame.time_s;
+  last_s_ = time_s;
 
   // === Parts come and go
   const double fade = options_.fade.seconds > 0.0 && !paused
@@ -101,6 +123,10 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   std::vector<char> is_there(parts_.size(), 0);
   for (const manipulation::DetectedContact& touch : touches) {
     const auto at = static_cast<std::size_t>(touch.part);
+    if (at >= parts_.size()) {
+      parts_.resize(at + 1);
+      is_there.resize(at + 1, 0);
+    }
     is_there[at] = 1;
     parts_[at].pairs = pairsOf(touch);
   }
@@ -123,10 +149,10 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   } else if (paused) {
     solver_.begin(*last_O_);
   }
-  const manipulation::CausalSolver::Step step = solver_.follow(frame.time_s, problemNow());
+  const manipulation::CausalSolver::Step step = solver_.follow(time_s, problemNow());
   last_O_ = step.pose;
   Answer answer;
-  answer.pose = {frame.X_WO * step.pose.X_WH, step.pose.q};
+  answer.pose = {X_WO * step.pose.X_WH, step.pose.q};
   answer.touches = static_cast<int>(touches.size());
   answer.objective = step.objective;
   answer.evaluations = step.evaluations;

@@ -46,12 +46,30 @@ class LiveFollower {
   std::optional<Answer> follow(const manipulation::DemonstratedFrame& frame,
                                const Progress& progress);
 
+  /// The same of touches that somebody else has found, whose numbers of parts they bear: one
+  /// follower is told by one of them alone. Frames: X_WO in W.
+  std::optional<Answer> follow(double time_s,
+                               const Pose& X_WO,
+                               const std::vector<manipulation::DetectedContact>& touches,
+                               const Progress& progress);
+
  private:
   struct PartPair {
     double presence = 0.0;
     std::vector<optimize::PointPair> pairs;  // none: this part has no place on the hand
   };
 
+  /// A part's place as it is kept for later frames, rounded to what a hand's skin tells apart.
+  struct PlaceKey {
+    int part = 0;
+    int along = 0;
+    int around = 0;
+    int across = 0;
+
+    auto operator<=>(const PlaceKey&) const = default;
+  };
+
+  void requireLater(double time_s) const;
   std::vector<optimize::PointPair> pairsOf(const manipulation::DetectedContact& touch);
   std::optional<hand::LinkPoint> spotOf(const manipulation::DetectedContact& touch);
   [[nodiscard]] optimize::PoseProblem problemNow() const;
@@ -64,7 +82,7 @@ class LiveFollower {
   manipulation::ContactTracker tracker_;
   manipulation::CausalSolver solver_;
   std::vector<PartPair> parts_;
-  std::map<std::pair<int, int>, std::optional<hand::LinkPoint>> spots_;  // by part and angle
+  std::map<PlaceKey, std::optional<hand::LinkPoint>> spots_;
   std::optional<double> last_s_;
   std::optional<hand::HandPose> last_O_;  // once it has begun
 };

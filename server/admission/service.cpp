@@ -192,9 +192,10 @@ void Service::expireIdleSessions() {
   for (const auto& live : sessions_.all()) {
     const Clock::duration idle = live->idle();
     if (idle < limit - warning) {
-      live->warn("");
+      live->warn(LiveSession::Warning::kIdle, "");
     } else if (idle < limit) {
-      live->warn(fmt::format("idle; closes within {} unless it is used", inWords(warning)));
+      live->warn(LiveSession::Warning::kIdle,
+                 fmt::format("idle; closes within {} unless it is used", inWords(warning)));
     } else {
       const bool is_taken = live->strand().post([this, live, limit] {
         if (live->idle() < limit || live->isClosed()) return;

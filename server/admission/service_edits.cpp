@@ -101,9 +101,9 @@ void Service::onDemonstrator(v1::DemonstratorFrame frame, const Sender& sender) 
   }
   live->touch();
   if (!live->putFrame(std::move(frame))) return;
-  const bool is_taken = live->strand().postShort([live] {
+  const bool is_taken = live->strand().postShort([this, live] {
     const std::optional<v1::DemonstratorFrame> newest = live->takeFrame();
-    if (newest && !live->isClosed()) followFrame(*live, *newest);
+    if (newest && !live->isClosed()) followFrame(*live, context_.models, *newest);
   });
   if (!is_taken) static_cast<void>(live->takeFrame());
 }

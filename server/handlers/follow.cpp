@@ -1,9 +1,11 @@
 #include "server/handlers/follow.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/demonstration/posed_hand_tracker.h"
 #include "core/hand/kinematics.h"
 #include "server/messages/convert.h"
 
@@ -34,10 +36,26 @@ manipulation::DemonstratedFrame demonstratedFrom(const v1::DemonstratorFrame& me
         Eigen::Map<const Eigen::Matrix<double, hand::kManoPoseSize, 1>>(values.data()),
         Eigen::Map<const Eigen::Vector3d>(values.data() + hand::kManoPoseSize), frame.side);
   } else {
-    rejectInput("kind {}: only 21 joints' places and MANO's pose are followed",
+    rejectInput("kind {}: it must be joint_places, mano or joints",
                 static_cast<unsigned>(message.kind()));
   }
   return frame;
+}
+
+hand::HandPose posedFrom(const v1::DemonstratorFrame& message, const hand::HandModel& model) {
+  const std::vector<double>& values = message.values();
+  if (values.size() != static_cast<std::size_t>(model.dofCount())) {
+    rejectInput("values: {} numbers; hand {} has {} joints", values.size(),
+                quoted(message.hand()), model.dofCount());
+  }
+  if (message.X_WH().empty())
+    rejectInput("X_WH: missing; joints do not tell where the hand {} is",
+                quoted(message.hand()));
+  hand::HandPose pose;
+  pose.q = Eigen::VectorXd::Map(values.data(), static_cast<Eigen::Index>(values.size()));
+  if (!pose.q.allFinite()) rejectInput("values: one of them is not finite");
+  pose.X_WH = poseFrom(message.X_WH(), "X_WH");
+  return pose;
 }
 
 v1::PoseSolution answerOf(LiveSession& live,
@@ -57,34 +75,56 @@ v1::PoseSolution answerOf(LiveSession& live,
   return solution;
 }
 
-/// Of the session as it stands: an edit makes another one, which begins anew.
-retargeting::LiveFollower& followerOf(LiveSession& live) {
+/// Of the session as it stands, and of who is followed: an edit, or somebody else, makes
+/// another one, which begins anew. `hand` null: a human's joints.
+Following& followingOf(LiveSession& live, const std::shared_ptr<const StoredHand>& hand) {
   session::Session& session = live.session();
   Following& following = live.following;
-  if (!following.follower || following.revision != session.revision()) {
-    following.follower = std::make_shared<retargeting::LiveFollower>(
-        session.document(), session.hand(), session.sharedObject(), live.solves());
-    following.revision = session.revision();
+  if (following.follower && following.revision == session.revision() && following.hand == hand)
+    return following;
+  if (following.hand != hand || following.revision != session.revision())
+    following.tracker = nullptr;
+  if (hand != nullptr && following.tracker == nullptr) {
+    following.tracker = std::make_shared<demonstration::PosedHandTracker>(
+        hand->hand->get(live.solves()), session.sharedObject(), live.solves());
   }
-  return *following.follower;
+  following.follower = std::make_shared<retargeting::LiveFollower>(
+      session.document(), session.hand(), session.sharedObject(), live.solves());
+  following.revision = session.revision();
+  following.hand = hand;
+  return following;
+}
+
+std::optional<retargeting::LiveFollower::Answer> answerTo(LiveSession& live,
+                                                          const ModelStore& models,
+                                                          const v1::DemonstratorFrame& frame) {
+  if (frame.kind() != v1::DEMONSTRATOR_JOINTS) {
+    const manipulation::DemonstratedFrame demonstrated = demonstratedFrom(frame);
+    return followingOf(live, nullptr).follower->follow(demonstrated, live.solves());
+  }
+  const std::shared_ptr<const StoredHand> hand = models.hand(frame.hand());
+  const hand::HandPose pose = posedFrom(frame, hand->hand->model());
+  const Pose X_WO = poseFrom(frame.X_WO(), "X_WO");
+  const Following& following = followingOf(live, hand);
+  return following.follower->follow(frame.time_s(), X_WO, following.tracker->see(pose, X_WO),
+                                    live.solves());
 }
 
 }  // namespace
 
-void followFrame(LiveSession& live, const v1::DemonstratorFrame& frame) {
+void followFrame(LiveSession& live,
+                 const ModelStore& models,
+                 const v1::DemonstratorFrame& frame) {
   std::string trouble;
   try {
-    const manipulation::DemonstratedFrame demonstrated = demonstratedFrom(frame);
-    const auto answer = followerOf(live).follow(demonstrated, live.solves());
-    if (answer) live.publish(answerOf(live, frame, *answer));
+    if (const auto answer = answerTo(live, models, frame))
+      live.publish(answerOf(live, frame, *answer));
   } catch (const Cancelled&) {
     return;  // it is being closed
   } catch (const std::exception& error) {
     trouble = std::string("demonstrator: ") + error.what();
   }
-  if (trouble == live.following.trouble) return;
-  live.following.trouble = trouble;
-  live.warn(trouble);
+  live.warn(LiveSession::Warning::kDemonstrator, trouble);
 }
 
 }  // namespace handgraft::server

@@ -108,7 +108,7 @@ void LiveSession::setPhase(v1::SessionState& state,
                            const std::string& message,
                            double progress) {
   state.phase(phase);
-  state.message(message.empty() ? warning_ : message);
+  state.message(message.empty() ? warning() : message);
   state.progress(progress);
   if (!isAtWork(phase)) resting_phase_ = phase;
 }
@@ -224,12 +224,21 @@ std::chrono::steady_clock::duration LiveSession::idle() const {
   return now_() - Clock::time_point(Clock::duration(last_used_));
 }
 
-void LiveSession::warn(const std::string& warning) {
+std::string LiveSession::warning() const {
+  std::string all;
+  for (const std::string& one : warnings_)
+    if (!one.empty()) all += (all.empty() ? "" : "; ") + one;
+  return all;
+}
+
+void LiveSession::warn(Warning kind, const std::string& warning) {
   bool is_news = false;
   const auto change = [&](v1::SessionState& state) {
-    is_news = warning != warning_;
-    if (state.message() == warning_) state.message(warning);
-    warning_ = warning;
+    const std::string before = this->warning();
+    std::string& kept = warnings_.at(static_cast<std::size_t>(kind));
+    is_news = warning != kept;
+    kept = warning;
+    if (state.message() == before) state.message(this->warning());
   };
   published_.change(change, PublishedState::kSilently);
   if (is_news) published_.change([](v1::SessionState&) {});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -10,6 +11,7 @@
 #include <string>
 
 #include "core/base/progress.h"
+#include "core/demonstration/posed_hand_tracker.h"
 #include "core/manipulation/motion.h"
 #include "core/retargeting/edited_motion.h"
 #include "core/retargeting/live_follower.h"
@@ -26,6 +28,8 @@
 #include "server/sessions/solve_cycle.h"
 
 namespace handgraft::server {
+
+struct StoredHand;  // store/model_store.h
 
 /// Who hears of the changes of sessions. Called from workers.
 class SessionAudience {
@@ -74,7 +78,9 @@ struct StagesTook {
 struct Following {
   std::shared_ptr<retargeting::LiveFollower> follower;  ///< null before the first frame
   unsigned long long revision = 0;
-  std::string trouble;  ///< why the last frame was refused; empty: it was not
+  /// The demonstrator's hand, if joints of a model tell it; else null, as is the next.
+  std::shared_ptr<const StoredHand> hand;
+  std::shared_ptr<demonstration::PosedHandTracker> tracker;
 };
 
 /// A session as the server runs it: the editable problem, its strand, where it stands between
@@ -138,8 +144,10 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   void touch() { last_used_ = now_().time_since_epoch().count(); }
 
   [[nodiscard]] std::chrono::steady_clock::duration idle() const;
-  /// Puts a warning, or none, into the state and tells it if it changed.
-  void warn(const std::string& warning);
+  /// What a session is warned of while nothing else is told of it.
+  enum class Warning { kDemonstrator, kIdle };
+  /// Puts a warning, or none, of that kind into the state and tells it if it changed.
+  void warn(Warning kind, const std::string& warning);
 
   // === A demonstrator's frames
 
@@ -231,7 +239,8 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   PublishedState published_;
   // Of changes of `published_`.
   v1::SessionPhase resting_phase_ = v1::PHASE_OPEN;  ///< the last in which nothing was done
-  std::string warning_;
+  std::array<std::string, 2> warnings_;              ///< by Warning; empty: none
+  [[nodiscard]] std::string warning() const;
 };
 
 /// Nanoseconds of the system's clock.

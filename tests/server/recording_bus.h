@@ -79,6 +79,10 @@ class RecordingBus final : public server::Bus {
     listener_->onRequest(request, {request.client()[0]});
   }
 
+  void send(const v1::DemonstratorFrame& frame) {
+    listener_->onDemonstrator(frame, {frame.client()[0]});
+  }
+
   void send(const v1::Edit& edit) { listener_->onEdit(edit, {edit.client()[0]}); }
 
   /// The first message of `list` that `fits`, waited for.

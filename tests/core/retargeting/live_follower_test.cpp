@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "core/demonstration/posed_hand_tracker.h"
 #include "core/session/session.h"
 
 #include "tests/core/session/ball_grasp.h"
@@ -84,6 +85,27 @@ TEST_F(LiveFollowing, GoesOnAfterAPauseAndWhenTimeBeginsAnew) {
     const auto after = follower->follow(grip(time_s, 0.8), Progress());
     ASSERT_TRUE(after);
     EXPECT_LT((after->pose.q - before->pose.q).cwiseAbs().maxCoeff(), 0.2) << time_s;
+  }
+}
+
+// Told by its own joints, a hand that closes about the ball is where it is shown.
+TEST_F(LiveFollowing, AHandThatIsShownToItselfIsThere) {
+  const hand::Hand hand = grasp.hand();
+  session.solve({}, {}, Progress());
+  const hand::HandPose shown = session.solve({}, {}, Progress()).report.pose;
+  demonstration::PosedHandTracker tracker(hand, grasp.ball, Progress());
+  const auto follower = this->follower();
+  std::optional<LiveFollower::Answer> answer;
+  for (int k = 0; k < 20; ++k) {
+    Pose X_WO = Pose::Identity();
+    X_WO.translation().x() = 0.01 * k;
+    hand::HandPose pose = shown;
+    pose.X_WH = X_WO * shown.X_WH;
+    answer = follower->follow(k / 60.0, X_WO, tracker.see(pose, X_WO), Progress());
+    ASSERT_TRUE(answer) << k;
+    EXPECT_GE(answer->touches, 3);
+    EXPECT_LT((answer->pose.q - pose.q).cwiseAbs().maxCoeff(), 0.2) << k;
+    EXPECT_LT((answer->pose.X_WH.translation() - pose.X_WH.translation()).norm(), 0.006) << k;
   }
 }
 

@@ -1,0 +1,116 @@
+// A demonstrator's frames, through the service: answered by poses, refused with a reason.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/admission/service.h"
+
+#include "tests/server/recording_bus.h"
+#include "tests/server/small_grasp.h"
+
+namespace handgraft::server {
+namespace {
+
+using testing::HasSubstr;
+
+class FollowingTest : public testing::Test {
+ protected:
+  FollowingTest() {
+    service.start();
+    for (const v1::RequestBody& body : test::smallGrasp())
+      EXPECT_EQ(bus.ask(body).error(), v1::ERROR_NONE);
+    const v1::Reply opened = bus.ask(test::openSession("clamp", "fruit", "marks"));
+    EXPECT_EQ(opened.error(), v1::ERROR_NONE) << opened.message();
+    session = opened.body().session().session_id();
+  }
+
+  /// Of the clamp's joint, its root somewhere.
+  v1::DemonstratorFrame joints(double time_s, std::vector<double> values) {
+    v1::DemonstratorFrame frame;
+    frame.session_id(session);
+    frame.client({1});
+    frame.sequence_number(++sent_);
+    frame.time_s(time_s);
+    frame.kind(v1::DEMONSTRATOR_JOINTS);
+    frame.hand("clamp");
+    frame.values(std::move(values));
+    v1::Pose X;
+    X.q_wxyz({1.0, 0.0, 0.0, 0.0});
+    frame.X_WH().push_back(X);
+    frame.X_WO(X);
+    return frame;
+  }
+
+  v1::DemonstratorFrame places(double time_s, std::size_t numbers) {
+    v1::DemonstratorFrame frame = joints(time_s, std::vector<double>(numbers, 9.0));
+    frame.kind(v1::DEMONSTRATOR_JOINT_PLACES);
+    frame.X_WH().clear();
+    return frame;
+  }
+
+  bool isTold(const std::string& trouble) {
+    return bus
+        .await<v1::SessionState>(bus.states,
+                                 [&](const v1::SessionState& state) {
+                                   return state.message().find(trouble) != std::string::npos;
+                                 })
+        .has_value();
+  }
+
+  std::string message() {
+    return bus.ask(test::ofSession(v1::OP_DESCRIBE_SESSION, session))
+        .body()
+        .session()
+        .message();
+  }
+
+  test::RecordingBus bus;
+  ModelStore models;
+  Service service{bus, models, ServiceOptions()};
+  std::uint64_t session = 0;
+
+ private:
+  std::uint64_t sent_ = 0;
+};
+
+// The look after idle sessions, with each status, used to take it away.
+TEST_F(FollowingTest, WhyAFrameIsRefusedIsToldUntilOneIsRight) {
+  bus.send(places(0.0, 60));
+  ASSERT_TRUE(isTold("values: 60 numbers; 21 joints' places have 63"));
+  const std::size_t told = bus.count(bus.statuses);
+  ASSERT_TRUE(bus.await<v1::ServerStatus>(bus.statuses, [&](const v1::ServerStatus&) {
+    return bus.statuses.size() >= told + 2;
+  }));
+  EXPECT_THAT(message(), HasSubstr("values: 60 numbers"));
+  bus.send(places(0.1, 63));
+  ASSERT_TRUE(bus.await<v1::SessionState>(bus.states, [&](const v1::SessionState& state) {
+    return &state == &bus.states.back() && state.message().empty();
+  }));
+}
+
+TEST_F(FollowingTest, JointsThatSayNothingAreRefused) {
+  bus.send(joints(0.0, {0.1, 0.2}));
+  EXPECT_TRUE(isTold("values: 2 numbers; hand 'clamp' has 1 joints"));
+  bus.send(joints(0.1, {std::nan("")}));
+  EXPECT_TRUE(isTold("values: one of them is not finite"));
+  v1::DemonstratorFrame frame = joints(0.2, {0.1});
+  frame.X_WH().clear();
+  bus.send(frame);
+  EXPECT_TRUE(isTold("X_WH: missing"));
+  frame = joints(0.3, {0.1});
+  frame.hand("claw");
+  bus.send(frame);
+  EXPECT_TRUE(isTold("'claw'"));
+  // One that is right: a jaw in the air, which begins nothing.
+  bus.send(joints(0.4, {0.1}));
+  EXPECT_TRUE(bus.await<v1::SessionState>(bus.states, [&](const v1::SessionState& state) {
+    return &state == &bus.states.back() && state.message().empty();
+  }));
+  EXPECT_EQ(bus.count(bus.solutions), 0u);
+}
+
+}  // namespace
+}  // namespace handgraft::server
