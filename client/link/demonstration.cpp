@@ -1,9 +1,15 @@
 #include "client/link/demonstration.h"
 
+#include <chrono>
+#include <thread>
+
+#include <fmt/format.h>
+
 #include "client/link/model_files.h"
 #include "client/link/wire_pose.h"
 #include "core/base/error.h"
 #include "core/formats/demonstration_text.h"
+#include "idl/topics.h"
 
 namespace handgraft::client {
 
@@ -24,6 +30,31 @@ std::vector<v1::DemonstratorFrame> framesOf(const formats::Demonstration& demons
 }
 
 }  // namespace
+
+DemonstratorWriter::DemonstratorWriter(Client& client, std::uint64_t session_id)
+    : client_(client),
+      session_id_(session_id),
+      writer_(*client.participant(), idl::kDemonstratorTopic) {
+  constexpr std::chrono::seconds kServersPatience(2);
+  const auto give_up = std::chrono::steady_clock::now() + kServersPatience;
+  while (writer_.readers() == 0) {
+    client.checkpoint();
+    if (std::chrono::steady_clock::now() >= give_up)
+      throw NoServer("the server does not follow demonstrators");
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+void DemonstratorWriter::write(v1::DemonstratorFrame frame) {
+  if (!client_.alive()) {
+    throw NoServer(
+        fmt::format("handgraft-server on {} stopped answering", describe(client_.network())));
+  }
+  frame.session_id(session_id_);
+  frame.client(client_.id());
+  frame.sequence_number(++sent_);
+  writer_.write(frame);
+}
 
 std::vector<v1::DemonstratorFrame> readDemonstration(const std::filesystem::path& path) {
   const std::string text = readFile(path);

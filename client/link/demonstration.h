@@ -1,11 +1,37 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
+#include "client/link/client.h"
+#include "idl/cyclone/participant.h"
 #include "idl/motions.h"
 
 namespace handgraft::client {
+
+/// Sends a demonstrator's frames, for the hand of a session to follow. The poses that answer
+/// come by the session's stream, each with its frame's time.
+///
+/// Threads: one.
+class DemonstratorWriter {
+ public:
+  /// Waits until a server listens, 2 s at most. Errors: NoServer; what the client's checkpoint
+  /// throws.
+  DemonstratorWriter(Client& client, std::uint64_t session_id);
+
+  /// Its number, whose it is and of which session are told here. A frame that nobody hears is
+  /// lost. Errors: NoServer if the server has stopped answering.
+  void write(v1::DemonstratorFrame frame);
+
+  [[nodiscard]] std::uint64_t count() const { return sent_; }
+
+ private:
+  Client& client_;
+  const std::uint64_t session_id_;
+  idl::cyclone::Writer<v1::DemonstratorFrame> writer_;
+  std::uint64_t sent_ = 0;
+};
 
 /// Reads `handgraft-demonstration/1` (core/io/FORMATS.md) as the frames that a server follows:
 /// times, side, joints' places or MANO's pose, the object's pose. Sessions and numbers are left

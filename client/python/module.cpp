@@ -19,6 +19,7 @@
 #include "client/gateway/gateway.h"
 #include "client/gateway/page_file.h"
 #include "client/link/client.h"
+#include "client/link/demonstration.h"
 #include "client/link/model_files.h"
 #include "client/link/session.h"
 #include "client/python/python_message.h"
@@ -100,6 +101,29 @@ class LiveSession {
  private:
   std::shared_ptr<client::Client> client_;
   client::Session session_;
+};
+
+/// A demonstrator whom a session's hand follows; keeps its client alive.
+class Demonstrator {
+ public:
+  explicit Demonstrator(LiveSession& session)
+      : client_(session.shared()), writer_(released(*client_, session.get().id())) {}
+
+  void send(const py::dict& frame) {
+    const auto message = messageOf<v1::DemonstratorFrame>(frame);
+    const py::gil_scoped_release unlocked;
+    writer_->write(message);
+  }
+
+ private:
+  static std::unique_ptr<client::DemonstratorWriter> released(client::Client& client,
+                                                              std::uint64_t session_id) {
+    const py::gil_scoped_release unlocked;
+    return std::make_unique<client::DemonstratorWriter>(client, session_id);
+  }
+
+  std::shared_ptr<client::Client> client_;
+  std::unique_ptr<client::DemonstratorWriter> writer_;
 };
 
 /// The next thing on the streams, ("solution" or "state", dict); nothing within the patience.
@@ -280,6 +304,27 @@ void defineModels(ClientClass& type) {
           },
           "path"_a, "object"_a, "name"_a, "units"_a, "options"_a)
       .def(
+          "load_motion",
+          [](Client& server, const std::string& path, const std::string& object,
+             const std::string& name) {
+            client::ModelFiles model = client::motionFiles(path, object);
+            if (!name.empty()) model.name = name;
+            return send(server, std::move(model), name.empty());
+          },
+          "path"_a, "object"_a, "name"_a)
+      .def(
+          "load_planned_motion",
+          [](Client& server, const std::string& name, const std::string& object,
+             const std::string& plan, const std::map<std::string, std::string>& texts) {
+            std::vector<client::UploadFile> files;
+            for (const auto& [uri, text] : texts)
+              files.push_back({uri, {}, text});
+            client::ModelFiles model = client::plannedMotion(name, plan, std::move(files));
+            model.object = object;
+            return send(server, std::move(model), false);
+          },
+          "name"_a, "object"_a, "plan"_a, "texts"_a)
+      .def(
           "unload",
           [](Client& server, const std::string& kind, const std::string& name) {
             await(server.unload(kindFrom(kind), name));
@@ -355,10 +400,14 @@ void defineSolving(SessionClass& session_class) {
            })
       .def(
           "edit",
-          [](LiveSession& session, const py::dict& body, std::uint64_t base_revision) {
-            return awaitDict(session.get().edit(messageOf<v1::EditBody>(body), base_revision));
+          [](LiveSession& session, const py::dict& body, std::uint64_t base_revision,
+             const std::optional<py::dict>& when) {
+            std::optional<v1::EditTime> at;
+            if (when) at = messageOf<v1::EditTime>(*when);
+            return awaitDict(
+                session.get().edit(messageOf<v1::EditBody>(body), base_revision, at));
           },
-          "body"_a, "base_revision"_a)
+          "body"_a, "base_revision"_a, "when"_a)
       .def(
           "solve",
           [](LiveSession& session, const std::optional<py::dict>& options) {
@@ -437,6 +486,9 @@ void defineSession(py::module_& module) {
       .def("watch", [](LiveSession& session) {
         return std::make_unique<Watch>(session.shared(), session.get().id());
       });
+  py::class_<Demonstrator>(module, "DemonstratorWriter")
+      .def(py::init<LiveSession&>(), "session"_a)
+      .def("send", &Demonstrator::send, "frame"_a);
   defineSolving(session_class);
   defineRecords(session_class);
 }

@@ -19,8 +19,6 @@
 #include "client/present/interactive_client.h"
 #include "client/present/interruption.h"
 #include "client/present/json_output.h"
-#include "core/base/error.h"
-#include "idl/topics.h"
 
 namespace handgraft::client {
 
@@ -28,7 +26,6 @@ namespace {
 
 using FollowClock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kServersPatience(2);
 constexpr std::chrono::milliseconds kLastAnswers(300);
 
 /// When frames were sent, and what came of them. From several threads.
@@ -82,21 +79,12 @@ class Answers {
   double largest_step_ = 0.0;
 };
 
-void requireListener(const idl::cyclone::Writer<v1::DemonstratorFrame>& writer) {
-  const auto give_up = FollowClock::now() + kServersPatience;
-  while (writer.readers() == 0) {
-    if (FollowClock::now() >= give_up)
-      throw NoServer("the server does not follow demonstrators");
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-}
-
 }  // namespace
 
 int run(const MotionFollowOptions& options,
         const CommonOptions& common,
         Interruption& interruption) {
-  std::vector<v1::DemonstratorFrame> frames = readDemonstration(options.demonstration);
+  const std::vector<v1::DemonstratorFrame> frames = readDemonstration(options.demonstration);
   Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
   static_cast<void>(server.describeSession(session_id).get());
@@ -106,30 +94,20 @@ int run(const MotionFollowOptions& options,
     answers.came(solution, FollowClock::now());
   };
   const Following following(server, session_id, listener);
-  idl::cyclone::Writer<v1::DemonstratorFrame> writer(*server.participant(),
-                                                     idl::kDemonstratorTopic);
-  requireListener(writer);
+  DemonstratorWriter writer(server, session_id);
 
   const FollowClock::time_point begin = FollowClock::now();
   const double first_s = frames.front().time_s();
   const double interval_s =
       frames.size() > 1 ? (frames.back().time_s() - first_s) / double(frames.size() - 1) : 1.0;
-  std::uint64_t sent = 0;
   double lap_s = 0.0;
   do {
-    for (v1::DemonstratorFrame& frame : frames) {
+    for (const v1::DemonstratorFrame& frame : frames) {
       const double time_s = lap_s + (frame.time_s() - first_s) / options.speed;
       std::this_thread::sleep_until(begin + std::chrono::duration_cast<FollowClock::duration>(
                                                 std::chrono::duration<double>(time_s)));
       if (interruption.requested()) break;
-      if (!server.alive()) {
-        throw NoServer(fmt::format("handgraft-server on {} stopped answering",
-                                   handgraft::describe(common.network)));
-      }
       v1::DemonstratorFrame message = frame;
-      message.session_id(session_id);
-      message.client(server.id());
-      message.sequence_number(++sent);
       message.time_s(time_s);
       answers.sent(time_s, FollowClock::now());
       writer.write(message);
@@ -146,7 +124,7 @@ int run(const MotionFollowOptions& options,
       return std::isfinite(value) ? json::Json(value) : json::Json();
     };
     fmt::print("{}\n", json::written({{"session_id", session_id},
-                                      {"frames", sent},
+                                      {"frames", writer.count()},
                                       {"answered", answers.count()},
                                       {"latency_p50_ms", or_null(p50)},
                                       {"latency_p99_ms", or_null(p99)},
@@ -156,7 +134,7 @@ int run(const MotionFollowOptions& options,
   } else {
     fmt::print(
         "{} frames, {} answered by a pose; p50 {:.1f} ms, p99 {:.1f} ms; largest step {:.4f}\n",
-        sent, answers.count(), p50, p99, answers.largestStep());
+        writer.count(), answers.count(), p50, p99, answers.largestStep());
     if (!state.message().empty()) fmt::print("{}\n", state.message());
   }
   return 0;

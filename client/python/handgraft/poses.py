@@ -20,6 +20,11 @@ def matrix_of(pose: Mapping[str, Any]) -> np.ndarray:
     return X
 
 
+def matrices_of(poses: Sequence[Mapping[str, Any]]) -> np.ndarray:
+    """Of many, n x 4 x 4."""
+    return np.array([matrix_of(pose) for pose in poses]).reshape(-1, 4, 4)
+
+
 def message_of(X: np.ndarray) -> dict[str, Any]:
     """The message of a 4x4 matrix, whose rotation must be one within 1e-6."""
     X = np.asarray(X, dtype=float)
@@ -56,6 +61,7 @@ class Patch:
         self.within_5mm: float = message["within_5mm"]
         self.verdict: str = message["diagnosis"]["verdict"]
         self.text: str = message["diagnosis"]["text"]
+        self.facing_deg: float = message["diagnosis"]["facing_deg"]  #: between both sides' mean normals
 
     @property
     def hand_W(self) -> np.ndarray:
@@ -121,8 +127,12 @@ class Pose:
     @property
     def link_poses(self) -> np.ndarray:
         """Poses of all links in the world, L x 4 x 4, in the order of the hand's description."""
-        poses = [matrix_of(X) for X in self.message["X_WL"]]
-        return np.array(poses) if poses else np.empty((0, 4, 4))
+        return matrices_of(self.message["X_WL"])
+
+    @property
+    def time_s(self) -> float | None:
+        """In the session's motion, or of the demonstrator's frame that it answers; None of a grasp."""
+        return self.message["time_s"]
 
     @property
     def depth(self) -> Depth | None:

@@ -1,0 +1,295 @@
+"""A server's models, and sessions on it."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import pathlib
+import re
+from typing import Any, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from . import _handgraft
+from .errors import Error, InvalidInput, Refused
+from .poses import Pose, message_of
+from .session import Session
+from .studies import Sweep, property_of
+from .view import web_folder
+
+_KINDS = ("hand", "object", "contacts", "motion")
+
+
+@contextlib.contextmanager
+def _units_as_arguments() -> Iterator[None]:
+    """The server's advice names the command's option."""
+    try:
+        yield
+    except Error as error:
+        error.args = (re.sub(r"--units (\w+)", r"units='\1'", str(error)),)
+        raise
+
+
+def _is_path(model: Any, option: str) -> bool:
+    if isinstance(model, os.PathLike):
+        return True
+    if isinstance(model, os.PathLike):
+        return True
+    if not isinstance(model, str):
+        raise TypeError(f"{option}: {model!r} is neither a model's name nor a file's path")
+    return _handgraft.is_path(model)
+
+
+class Server:
+    """A handgraft-server: its models, and sessions on it. Made by `connect`."""
+
+    def __init__(self, client: _handgraft.Client):
+        self._client = client
+        self._page: _handgraft.Page | None = None
+
+    @property
+    def status(self) -> dict[str, Any]:
+        """What the server last told of itself: version, host, uptime_s, session_count, ..."""
+        return self._client.status()
+
+    @property
+    def is_private(self) -> bool:
+        """True for a server that `connect` started."""
+        return self._client.is_private
+
+    def _address(self) -> str:
+        """Of the page of this server's sessions, which is served from the first time on."""
+        if self._page is None:
+            self._page = _handgraft.Page(self._client, web_folder())
+        return self._page.address
+
+    # === Models
+
+    def models(self, kind: str | None = None) -> list[str]:
+        """Names of the models of a kind (hand, object, contacts, motion), or of all."""
+        if kind is not None and kind not in _KINDS:
+            raise InvalidInput(f"kind {kind!r}: permitted are {', '.join(_KINDS)}")
+        return [model["name"] for model in self._client.list_models()["models"]
+                if kind is None or model["kind"] == kind]
+
+    def describe(self, kind: str, name: str, meshes: bool = False) -> dict[str, Any]:
+        """A model as the contract describes it: joints, links, sites; vertices; patches."""
+        return self._client.describe(kind, name, meshes)[kind]
+
+    def load_hand(self, urdf: str | os.PathLike[str], name: str = "", *, units: str = "",
+                  packages: Mapping[str, str | os.PathLike[str]] | None = None,
+                  mirrored: bool = False, rest_pose: str = "") -> str:
+        """Sends a URDF with its meshes; returns the model's name on the server.
+
+        ``packages`` says where ``package://`` names lie. Without a ``name`` the file's is taken, and told
+        apart by its content where another model has it.
+        """
+        folders = {package: os.fspath(folder) for package, folder in (packages or {}).items()}
+        options = {"mirrored": mirrored, "rest_pose": rest_pose}
+        with _units_as_arguments():
+            return self._client.load_hand(os.fspath(urdf), name, units, folders, options)["name"]
+
+    def load_object(self, mesh: str | os.PathLike[str], name: str = "", *, units: str = "") -> str:
+        """Sends a mesh; returns the model's name. ``units``: m, cm, mm or in; metres by default."""
+        with _units_as_arguments():
+            return self._client.load_object(os.fspath(mesh), name, units)["name"]
+
+    def load_contacts(self, path: str | os.PathLike[str], object: str, name: str = "", *, units: str = "",
+                      **options: Any) -> str:
+        """Sends a contact set (JSON) or a contact map (PLY) on an object; returns its name.
+
+        ``options`` say how patches are found in a map: ContactOptions of idl/models.idl.
+        """
+        with _units_as_arguments():
+            return self._client.load_contacts(os.fspath(path), object, name, units, options)["name"]
+
+    def load_motion(self, path: str | os.PathLike[str], object: str = "", name: str = "", *,
+                    object_path: str | os.PathLike[str] | None = None) -> str:
+        """Sends a motion (``handgraft-motion/1``), a recording of contacts or a demonstration; returns its name.
+
+        ``object``: that it is of; by default the one that the file names. ``object_path``: the splines (``.smexp``) of
+        the object's way, where a recording of contact points lacks it.
+        """
+        if object_path is None:
+            return self._client.load_motion(os.fspath(path), object, name)["name"]
+        name = name or pathlib.Path(path).stem
+        plan = {"format": "handgraft-motion-plan/1", "name": name, "recording": "recording.json",
+                "object_path": "object.smexp"}
+        texts = {"recording.json": pathlib.Path(path).read_text(), "object.smexp": pathlib.Path(object_path).read_text()}
+        return self._client.load_planned_motion(name, object, json.dumps(plan), texts)["name"]
+
+    def join_grasps(self, first: str | os.PathLike[str], last: str | os.PathLike[str], time_s: Sequence[float],
+                    X_WO: Sequence[np.ndarray], name: str, *, object: str = "", **timing: float) -> str:
+        """A motion from one grasp to another while the object goes along a path; returns its name.
+
+        ``first`` and ``last`` are sets of contacts on one object, by name or path; what both have slides from one
+        place to the other, the rest comes and goes. ``time_s`` and ``X_WO``: when the object is where. ``timing``:
+        ``rate_hz``, ``slide_begin_share``, ``slide_end_share``, ``vanish_share``, ``appear_share``
+        (handgraft-motion-plan/1, core/io/FORMATS.md).
+        """
+        if len(time_s) != len(X_WO):
+            raise InvalidInput(f"the object's path has {len(time_s)} times and {len(X_WO)} poses")
+        lines = ["time_s,x,y,z,qw,qx,qy,qz"]
+        for at, pose in zip(time_s, map(message_of, X_WO)):
+            lines.append(",".join(repr(float(value)) for value in (at, *pose["p_m"], *pose["q_wxyz"])))
+        plan = {"format": "handgraft-motion-plan/1", "name": name, "first": "first.json", "last": "last.json",
+                "path": "path.csv", **timing}
+        texts = {"path.csv": "\n".join(lines) + "\n"}
+        under: list[str] = []
+        for uri, contacts in (("first.json", first), ("last.json", last)):
+            if _is_path(contacts, uri[:-5]):
+                texts[uri] = pathlib.Path(contacts).read_text()
+                continue
+            described = self.describe("contacts", os.fspath(contacts))
+            texts[uri] = described["file"]
+            under.append(described["object"])
+        if len(set(under)) > 1:
+            raise InvalidInput(f"contacts {first!r} lie on object {under[0]!r} and {last!r} on {under[1]!r}: a motion is "
+                               "of one object")
+        object = object or (under[0] if under else "")
+        return self._client.load_planned_motion(name, object, json.dumps(plan), texts)["name"]
+
+    def motion_of_hand(self, hand: str | os.PathLike[str], object: str | os.PathLike[str], time_s: Sequence[float],
+                       joints: np.ndarray, name: str, *, joint_names: Sequence[str] | None = None,
+                       X_WH: Sequence[np.ndarray] | None = None, X_WO: Sequence[np.ndarray] | None = None,
+                       reach_m: float | None = None, every_s: float | None = None) -> str:
+        """What a hand did, as a motion for other hands: where it touched the object over time. Returns its name.
+
+        ``joints``: T x J, of ``joint_names``, by default all of the hand's in its order. ``X_WH``: T poses of its root,
+        by default the identity or what the joints of a floating base say; ``X_WO``: of the object. ``reach_m``: at
+        which contact ends; ``every_s``: how often contacts are cut.
+        """
+        hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
+        object = self.load_object(object) if _is_path(object, "object") else object
+        if len(time_s) != len(joints):
+            raise InvalidInput(f"joints: {len(joints)} rows for {len(time_s)} times")
+        names = list(joint_names) if joint_names is not None else [
+            joint["name"] for joint in self.describe("hand", hand)["joints"]]
+        frames: list[dict[str, Any]] = [{"time_s": float(at), "joints": np.asarray(row, dtype=float).tolist()}
+                                        for at, row in zip(time_s, joints)]
+        for key, poses in (("X_WH", X_WH), ("X_WO", X_WO)):
+            if poses is None:
+                continue
+            if len(poses) != len(frames):
+                raise InvalidInput(f"{key}: {len(poses)} poses for {len(frames)} frames")
+            for frame, pose in zip(frames, map(message_of, poses)):
+                frame[key] = {entry: np.asarray(values).tolist() for entry, values in pose.items()}
+        plan = {"format": "handgraft-motion-plan/1", "name": name, "hand": hand, "hand_trajectory": "did.json"}
+        plan |= {key: value for key, value in (("reach_m", reach_m), ("every_s", every_s)) if value is not None}
+        did = {"format": "handgraft-trajectory/1", "hand": hand, "object": object, "joint_names": names,
+               "frames": frames}
+        return self._client.load_planned_motion(name, object, json.dumps(plan), {"did.json": json.dumps(did)})["name"]
+
+    def contacts_of_pose(self, hand: str | os.PathLike[str], object: str | os.PathLike[str],
+                         joints: Mapping[str, float] | None = None, *, X_WH: np.ndarray | None = None,
+                         X_WO: np.ndarray | None = None, pose: str = "", reach: float = 0.0, name: str = "") -> str:
+        """Where a posed hand touches an object, as a set of contacts; returns its name.
+
+        ``joints``: positions, rad or m, of those that differ from the hand's named ``pose``, by default its rest pose.
+        ``X_WH``, ``X_WO``: the hand's root and the object in the world. ``reach``: m, at which contact ends; 0: 0.01.
+        """
+        hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
+        object = self.load_object(object) if _is_path(object, "object") else object
+        given = joints or {}
+        request = {"name": name or f"{object}_{hand}", "hand": hand, "object": object, "start_pose": pose,
+                   "joints": list(given), "joint_positions": list(given.values()), "reach_m": reach,
+                   "X_WH": None if X_WH is None else message_of(X_WH),
+                   "X_WO": None if X_WO is None else message_of(X_WO)}
+        try:
+            return self._made("pose_contacts", request)
+        except Refused as refusal:
+            if refusal.code != "conflict" or name:
+                raise
+        # Another pose has left its contacts under the name of hand and object.
+        hash_of_all = hashlib.sha256(repr(request).encode()).hexdigest()[:8]
+        return self._made("pose_contacts", {**request, "name": f"{request['name'][:55]}-{hash_of_all}"})
+
+    def _made(self, member: str, request: dict[str, Any], kind: str = "") -> str:
+        """The name of a model that the server makes."""
+        return self._client.ask({"kind": kind or member, member: request})["models"]["models"][0]["name"]
+
+    # === Hands that are not built yet
+
+    def vary(self, hand: str | os.PathLike[str], name: str, changes: Mapping[str, float]) -> str:
+        """A hand like another one but for some changes, in order; returns its name.
+
+        ``{"thumb_mcp.upper": 1.2, "index_2.length": 1.1, "hand.size": 0.9}``: limits of joints in rad or m (``lower``,
+        ``upper``), factors of their range, of a link's length or size, or of the whole hand's.
+        """
+        hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
+        request = {"hand": hand, "name": name,
+                   "changes": [{**property_of(one), "value": value} for one, value in changes.items()]}
+        return self._made("variant", request, "make_variant")
+
+    def sweep(self, hand: str | os.PathLike[str], vary: Mapping[str, Sequence[float]],
+              grasps: Sequence[tuple[str, str]] = (), *, motions: Sequence[str] = (), starts: int = 0,
+              seed: int = 0) -> Sweep:
+        """Solves every grasp, (object, contacts), and motion with every combination of values.
+
+            server.sweep("tendon16", {"thumb_mcp.upper": np.linspace(0.3, 1.2, 10)}, [("lemon", "lemon_3")])
+        """
+        hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
+        axes = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in vary.items()}
+        asked = [{"object": object, "contacts": contacts} for object, contacts in grasps]
+        asked += [{"object": self.describe("motion", motion)["object"], "motion": motion} for motion in motions]
+        request = {"hand": hand, "grasps": asked,
+                   "axes": [{**property_of(name), "values": values} for name, values in axes.items()],
+                   "options": {"starts": starts, "seed": seed}}
+        reply = self._client.ask({"kind": "sweep", "sweep": request})["sweep"]
+        return Sweep(reply, axes, [contacts for _, contacts in grasps] + list(motions))
+
+    # === Grasps and motions
+
+    def open(self, hand: str | os.PathLike[str], object: str | os.PathLike[str] = "",
+             contacts: str | os.PathLike[str] = "", *, motion: str | os.PathLike[str] = "",
+             X_WO: np.ndarray | None = None, weights: Sequence[float] | None = None, units: str = "") -> Session:
+        """A live session. Each model is a name on the server, or the path of a file to send.
+
+        Of ``contacts`` on an object, or of a ``motion``, whose own object is taken if none is named. ``weights``:
+        of distance (1/m^2), normals and prior. ``X_WO``: the object's pose, 4x4. ``units`` are those of the
+        object's and the contacts' files: m, cm, mm or in; metres by default.
+        """
+        if bool(contacts) == bool(motion):
+            raise InvalidInput("a session is of contacts or of a motion: one of them has to be given, not both")
+        request: dict[str, Any] = self._send(hand, object, contacts, units)
+        if motion:
+            motion = self.load_motion(motion, request["object"]) if _is_path(motion, "motion") else motion
+            request["motion"] = motion
+            request["object"] = request["object"] or self.describe("motion", motion)["object"]
+        if X_WO is not None:
+            request["X_WO"] = message_of(X_WO)
+        if weights is not None:
+            request["weights"] = dict(zip(("distance", "normal", "prior"), weights))
+        return Session(self._client.open_session(request), self)
+
+    def join(self, session_id: int) -> Session:
+        """A session that somebody else opened."""
+        return Session(self._client.join_session(session_id), self)
+
+    def load_session(self, text: str) -> Session:
+        """A session of what `Session.save` gave."""
+        return Session(self._client.load_session(text), self)
+
+    def sessions(self) -> list[int]:
+        """Numbers of the sessions that are open."""
+        return [session["session_id"] for session in self._client.list_sessions()["sessions"]]
+
+    def grasp(self, hand: str | os.PathLike[str], object: str | os.PathLike[str],
+              contacts: str | os.PathLike[str], *, X_WO: np.ndarray | None = None,
+              weights: Sequence[float] | None = None, units: str = "", **solving: Any) -> Pose:
+        """Lays the contacts onto the hand and solves its pose; arguments as for `open` and `Session.solve`."""
+        with self.open(hand, object, contacts, X_WO=X_WO, weights=weights, units=units) as session:
+            return session.solve(**solving)
+
+    def _send(self, hand: Any, object: Any, contacts: Any, units: str) -> dict[str, str]:
+        """Their names on the server; of what is empty, empty."""
+        is_file = {option: model != "" and _is_path(model, option)
+                   for option, model in (("hand", hand), ("object", object), ("contacts", contacts))}
+        if units and not (is_file["object"] or is_file["contacts"]):
+            raise InvalidInput(f"units {units!r}: neither object nor contacts is a file")
+        hand = self.load_hand(hand) if is_file["hand"] else hand
+        object = self.load_object(object, units=units) if is_file["object"] else object
+        contacts = self.load_contacts(contacts, object, units=units) if is_file["contacts"] else contacts
+        return {"hand": hand, "object": object, "contacts": contacts}

@@ -1,0 +1,280 @@
+"""One session on a server: edits, and the poses that answer them."""
+
+from __future__ import annotations
+
+import contextlib
+import pathlib
+import time
+import warnings
+from typing import TYPE_CHECKING, Any, Iterator, Sequence
+
+import numpy as np
+
+from . import _handgraft
+from .errors import Error, NoServer, Refused, SolveFailed
+from .motions import Demonstrator, Motion
+from .poses import Pose, message_of
+from .view import View, web_folder
+
+if TYPE_CHECKING:
+    from .server import Server
+
+
+class Session:
+    """A grasp under way on the server: edits, and the poses that answer them.
+
+    Made by `Server.open`. As a context manager it is closed at the end; without, it stays open until
+    `close` or until nobody has used it for long.
+    """
+
+    def __init__(self, session: _handgraft.Session, server: Server):
+        self._session = session
+        self._server = server
+        state = session.state()
+        self._joints: list[str] = list(state["joint_names"])
+        self._revision: int = state["revision"]
+        self._when: dict[str, float] | None = None
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        try:
+            self.close()
+        except (Refused, NoServer):
+            pass  # it is closed already, or its server is gone
+
+    @property
+    def id(self) -> int:
+        """Its number, for other clients."""
+        return self._session.id
+
+    @property
+    def joint_names(self) -> list[str]:
+        """In the order of `Pose.joints`."""
+        return list(self._joints)
+
+    @property
+    def revision(self) -> int:
+        """Counts the edits; of this program's last one, or as the session was opened."""
+        return self._revision
+
+    def state(self) -> dict[str, Any]:
+        """As last heard: phase, revision, message, models, undo_count, ..."""
+        return self._session.state()
+
+    def settings(self) -> dict[str, Any]:
+        """All that can be edited, as it stands: patches, joints, weights, prior."""
+        return self._session.settings()
+
+    def transfer(self) -> dict[str, Any]:
+        """How each patch lies on the hand: points, lost ones with the reason, fidelity."""
+        return self._session.transfer()
+
+    # === Poses
+
+    def solve(self, *, solver: str | None = None, starts: int = 0, seed: int = 0,
+              max_evaluations: int = 0, touch_only: bool = False) -> Pose:
+        """Solves the pose and waits for it, diagnosed. 0 and None: the session's or the default.
+
+        A hand keeps out of the object, and of itself; with ``touch_only`` depth costs nothing, as in the paper.
+        """
+        options: dict[str, Any] | None = None
+        if solver or starts or seed or max_evaluations or touch_only:
+            options = {"starts": starts, "seed": seed, "max_evaluations": max_evaluations,
+                       "penetration": "reported" if touch_only else "avoided"}
+            if solver:
+                options["solver"] = solver
+        return Pose(self._session.solve(options), self._joints)
+
+    def pose(self, diagnosed: bool = True) -> Pose:
+        """The pose that answers the last edit of this program; waits for it.
+
+        Without ``diagnosed`` it comes at once, verdicts may be missing. Raises SolveFailed if it could not
+        be solved, Error if none follows because nothing has been solved yet.
+        """
+        solution = self._session.await_final(self._revision)
+        if solution is None:
+            raise Error(f"session {self.id} has no pose at revision {self._revision}: solve it first")
+        if diagnosed and not solution["is_diagnosed"]:
+            solution = self._session.await_diagnosed(self._revision)
+        self._joints = list(self._session.state()["joint_names"])  # an edit may have changed the hand
+        return Pose(solution, self._joints)
+
+    def watch(self, final: bool = True) -> Iterator[Pose]:
+        """The session's poses as they come, whoever edits, until it is closed.
+
+        With ``final`` those that answer an edit, first undiagnosed and then diagnosed; without, also
+        what the solver passes on the way. Who comes late sees the last one at once.
+        """
+        stream = self._session.watch()
+        joints = self._joints
+        while True:
+            event = stream.next(1.0)
+            if event is None:
+                continue
+            kind, message = event
+            if kind == "solution" and (message["is_final"] or not final):
+                yield Pose(message, joints)
+            elif kind == "state":
+                if message["phase"] == "closed":
+                    return
+                joints = list(message["joint_names"])
+
+    def stop(self) -> None:
+        """Stops the solve under way, whoever asked for it."""
+        self._session.stop_solving()
+
+    # === Motions, of a session that was opened with one
+
+    def solve_motion(self, *, causal: bool = False, smoothness: float = 0.0, fade_s: float = 0.0,
+                     acceleration_limit: float = 0.0, starts: int = 0, seed: int = 0) -> Motion:
+        """Has the hand follow the session's motion and waits for it. 0: the default.
+
+        All frames at once; with ``causal`` each from those before it, as a stream is followed. ``fade_s``: in which
+        patches come and go. ``acceleration_limit``: rad/s^2 or m/s^2, of every joint.
+        """
+        options = {"causal": causal, "smoothness": smoothness, "fade_s": fade_s,
+                   "acceleration_limit": acceleration_limit, "solving": {"starts": starts, "seed": seed}}
+        summary = self._ask("solve_motion", {"session_id": self.id, "options": options}, "motion")
+        return self._frames(summary)
+
+    def motion(self) -> Motion:
+        """The frames that answer the last edit of this program; waits for them. Edits of a motion that has been
+        solved are followed by frames as those of a grasp by poses."""
+        while True:
+            state = self._session.state()
+            if state["revision"] >= self._revision and state["phase"] in ("ready", "failed", "closed"):
+                break
+            time.sleep(0.005)
+        if state["phase"] == "failed":
+            raise SolveFailed(state["message"])
+        return self._frames(None)
+
+    @contextlib.contextmanager
+    def at(self, time_s: float, falloff_s: float = 0.0) -> Iterator[Session]:
+        """Edits within are of the motion at a time alone, fading to nothing ``falloff_s`` away from it; 0: of that
+        frame alone.
+
+            with session.at(1.2, falloff_s=0.3):
+                session.turn("thumb", 0.2)
+        """
+        before = self._when
+        self._when = {"time_s": time_s, "falloff_s": falloff_s}
+        try:
+            yield self
+        finally:
+            self._when = before
+
+    def follow(self, chirality: str = "right") -> Demonstrator:
+        """A demonstrator whose frames the session's hand follows live; ``chirality``: of their hand, left or right."""
+        return Demonstrator(self, chirality)
+
+    def _ask(self, kind: str, request: dict[str, Any], answer: str) -> dict[str, Any]:
+        return self._server._client.ask({"kind": kind, kind: request})[answer]
+
+    def _frames(self, summary: dict[str, Any] | None) -> Motion:
+        state = self._session.state()
+        frames: list[dict[str, Any]] = []
+        while True:
+            reply = self._ask("motion_frames", {"session_id": self.id, "first": len(frames)}, "motion_frames")
+            frames += reply["frames"]
+            if reply["is_last"] or not reply["frames"]:
+                break
+        patches = self._server.describe("motion", state["motion"])["patches"]
+        return Motion(frames, state["joint_names"], patches, summary)
+
+    # === Edits; each is answered by a fresh pose: `pose()` waits for it
+
+    def edit(self, kind: str, member: str | None = None, value: Any = None) -> str:
+        """Any edit of idl/edits.idl: its kind, the member that it chooses, and that as a dict.
+
+        Returns what the server has to say of it, mostly nothing.
+        """
+        body = {"kind": kind} if member is None else {"kind": kind, member: value}
+        reply = self._session.edit(body, 0, self._when)
+        self._revision = reply["revision"]
+        return reply["message"]
+
+    def lock(self, joint: str, locked: bool = True) -> None:
+        """Holds a joint where it is, or lets it go."""
+        self.edit("joint_lock", "joint_lock", {"joint": joint, "locked": locked})
+
+    def limit(self, joint: str, lower: float, upper: float) -> None:
+        """A joint's range, rad or m; warns where angles seem to be degrees, or metres millimetres."""
+        said = self.edit("joint_limit", "joint_limit", {"joint": joint, "lower": lower, "upper": upper})
+        if said:
+            warnings.warn(said, stacklevel=2)
+
+    def hold(self, joint: str, value: float, weight: float = 1.0) -> None:
+        """Holds a joint near a value by so many times the prior's weight; 0 lets it go."""
+        self.edit("joint_soft", "joint_soft", {"joint": joint, "value": value, "weight": weight})
+
+    def weigh(self, patch: str, weight: float) -> None:
+        """What a patch counts; 0 switches it off."""
+        self.edit("patch_weight", "patch_weight", {"patch": patch, "weight": weight})
+
+    def enable(self, patch: str, enabled: bool = True) -> None:
+        """Has a patch count, or not."""
+        self.edit("patch_enabled", "patch_enabled", {"patch": patch, "enabled": enabled})
+
+    def turn(self, patch: str, angle: float, side: str = "hand") -> None:
+        """Turns a patch about the outward normal, counter-clockwise, on the hand or the object."""
+        self.edit("patch_direction", "patch_direction", {"patch": patch, "side": side, "angle_rad": angle})
+
+    def place(self, X_WO: np.ndarray) -> None:
+        """Moves the object: its pose in the world, 4x4."""
+        self.edit("object_pose", "X_WO", message_of(X_WO))
+
+    def weights(self, distance: float, normal: float, prior: float) -> None:
+        """What distances (1/m^2), normals and the prior count."""
+        self.edit("weights", "weights", {"distance": distance, "normal": normal, "prior": prior})
+
+    def drag(self, link: str, p_L: Sequence[float], target_W: Sequence[float]) -> None:
+        """Moves a point of a link (m, in the link's frame) to a place in the world."""
+        self.edit("drag", "drag", {"link": link, "p_L_m": p_L, "target_W_m": target_W})
+
+    def choose(self, rank: int) -> None:
+        """Takes one of the places where searches ended, as `Pose.minima` ranks them; 0 is the best."""
+        self.edit("choice", "choice", {"rank": rank})
+
+    def undo(self, count: int = 1) -> None:
+        """Takes back edits."""
+        self.edit("undo", "steps", {"count": count})
+
+    def redo(self, count: int = 1) -> None:
+        """Brings back edits that were taken back."""
+        self.edit("redo", "steps", {"count": count})
+
+    # === Looking
+
+    def view(self, live: bool = True, *, width: int | str = "100%", height: int | str = 600) -> View:
+        """The session as a page, which notebooks show in a frame: looked at and edited by mouse, touch and keys.
+
+        It is served on this machine for as long as the `Server` lives. With ``live=False`` it is the pose as it is
+        now, as one file without a server: kept in a notebook that is saved, seen on other machines, and where frames
+        of other addresses are not shown. Raises InvalidInput where the page was not built.
+        """
+        state = self._session.state()
+        title = f"{state['hand']} grasps {state['object']}"
+        if not live:
+            text = self._server._client.page_file(self.id, web_folder())
+            return View(None, text, title, width, height)
+        return View(f"{self._server._address()}?session={self.id}", None, title, width, height)
+
+    # === Files
+
+    def export(self, format: str, path: str | os.PathLike[str] | None = None) -> bytes:
+        """The last pose for other programs: json, csv, obj, glb, isaac_grasp, ...; written to ``path``, too."""
+        content = self._session.export({"format": format})
+        if path is not None:
+            pathlib.Path(path).write_bytes(content)
+        return content
+
+    def save(self) -> str:
+        """All of it as ``handgraft-session/1``: state, history, snapshots, log."""
+        return self._session.save()
+
+    def close(self) -> None:
+        """Ends the session, for all who use it."""
+        self._session.close()

@@ -1,0 +1,161 @@
+"""Motions: made of grasps or of what a hand did, solved, edited at a time, followed live."""
+
+import json
+import pathlib
+
+import numpy as np
+import pytest
+
+import handgraft
+from handgraft.motions import Motion
+
+DEMO = pathlib.Path(__file__).parents[2] / "system" / "demo"
+
+
+def turned(angle, p):
+    """About z, at p."""
+    X = np.eye(4)
+    X[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    X[:3, 3] = p
+    return X
+
+
+@pytest.fixture(scope="module")
+def pull(server):
+    """A box pulled off a shelf and turned, two seconds at 20 frames a second."""
+    return server.join_grasps("box_5", DEMO / "box_4.json", [0.0, 1.0, 2.0],
+                              [turned(0, (0, 0, 0.3)), turned(0, (-0.25, 0, 0.32)), turned(0.5, (-0.3, 0, 0.2))],
+                              "pull", rate_hz=20)
+
+
+@pytest.fixture(scope="module")
+def followed(server, pull):
+    with server.open("tendon16", motion=pull) as session:
+        yield session, session.solve_motion()
+
+
+def test_a_motion_of_two_grasps_is_a_model(server, pull):
+    assert pull in server.models("motion")
+    motion = server.describe("motion", pull)
+    assert motion["object"] == "box"
+    assert motion["frame_count"] == 41
+    assert set(motion["patches"]) >= {"thumb", "index", "little"}
+
+
+def test_a_path_without_as_many_poses_is_told(server):
+    with pytest.raises(handgraft.InvalidInput, match="2 times and 1 poses"):
+        server.join_grasps("box_5", "box_5", [0.0, 1.0], [np.eye(4)], "short")
+    with pytest.raises(handgraft.InvalidInput, match="'box_5' lie on object 'box' and 'lemon_6' on 'lemon'"):
+        server.join_grasps("box_5", "lemon_6", [0.0, 1.0], [np.eye(4)] * 2, "both")
+
+
+def test_frames_are_arrays(followed):
+    session, motion = followed
+    frames, joints = 41, len(session.joint_names)
+    assert len(motion) == frames
+    np.testing.assert_allclose(motion.time_s, np.arange(frames) / 20, atol=1e-9)
+    assert motion.joints.shape == (frames, joints)
+    assert motion.X_WH.shape == motion.X_WO.shape == (frames, 4, 4)
+    np.testing.assert_allclose(motion.X_WO[-1], turned(0.5, (-0.3, 0, 0.2)), atol=1e-6)
+    np.testing.assert_array_equal(motion[session.joint_names[2]], motion.joints[:, 2])
+    assert motion.summary["max_depth_m"] == motion.depth_m.max() < 0.002
+    assert motion.summary["self_depth_m"] == motion.self_depth_m.max()
+    assert motion.summary["frames_reached"] == motion.reached.sum() > 0
+
+
+def test_patches_come_and_go(followed):
+    _, motion = followed
+    thumb, little = motion.patches["thumb"], motion.patches["little"]
+    assert thumb.there.all() and not np.isnan(thumb.mean_mm).any()
+    assert little.there[0] and not little.there[-1]
+    assert np.isnan(little.mean_mm[-1])
+    assert motion.touches.all()
+
+
+def test_an_edit_at_a_time_changes_the_frames_about_it(server, pull, followed):
+    before = followed[1]
+    with server.open("tendon16", motion=pull) as session:
+        session.solve_motion()
+        with session.at(1.0, falloff_s=0.1):
+            session.turn("thumb", 0.5)
+        after = session.motion()
+        changed = np.abs(after.joints - before.joints).max(axis=1) > 1e-9
+        assert changed[19:22].any()
+        assert not changed[0] and not changed[-1]
+        session.undo()
+        np.testing.assert_array_equal(session.motion().joints, before.joints)
+        # Without `at` an edit is of the whole motion.
+        session.turn("thumb", 0.5)
+        assert (np.abs(session.motion().joints - before.joints).max(axis=1) > 1e-9).all()
+
+
+def test_a_motion_is_exported(followed, tmp_path):
+    session, motion = followed
+    session.export("npz", tmp_path / "pull.npz")
+    np.testing.assert_allclose(np.load(tmp_path / "pull.npz")["time"], motion.time_s, atol=1e-9)
+
+
+def test_what_a_hand_did_is_a_motion_for_another(server, followed):
+    session, motion = followed
+    name = server.motion_of_hand("tendon16", "box", motion.time_s, motion.joints, "done",
+                                 joint_names=session.joint_names, X_WH=motion.X_WH, X_WO=motion.X_WO)
+    done = server.describe("motion", name)
+    assert done["object"] == "box"
+    assert any(patch.startswith("thumb") for patch in done["patches"])
+    with server.open("human20", motion=name) as other:
+        assert len(other.solve_motion(causal=True)) == done["frame_count"]
+    with pytest.raises(handgraft.InvalidInput, match="3 poses for 41 frames"):
+        server.motion_of_hand("tendon16", "box", motion.time_s, motion.joints, "odd", X_WO=motion.X_WO[:3])
+    with pytest.raises(handgraft.InvalidInput, match="2 rows for 41 times"):
+        server.motion_of_hand("tendon16", "box", motion.time_s, motion.joints[:2], "odd")
+
+
+def test_a_motion_file_is_loaded(server, pull, tmp_path):
+    path = tmp_path / "mine.json"
+    path.write_text(json.dumps({**json.loads(server.describe("motion", pull, meshes=True)["file"]), "name": "mine"}))
+    assert server.load_motion(path) == "mine"
+    path.write_text("{")
+    with pytest.raises(handgraft.Refused, match="mine.json"):
+        server.load_motion(path, name="broken")
+
+
+def test_contacts_or_a_motion_have_to_be_given(server, pull):
+    for given in ({}, {"contacts": "box_5", "motion": pull}):
+        with pytest.raises(handgraft.InvalidInput, match="one of them"):
+            server.open("tendon16", "box", **given)
+    with server.open("tendon16", "box", "box_5") as session:
+        with pytest.raises(handgraft.Refused, match="motion"):
+            session.solve_motion()
+
+
+def test_a_demonstrator_is_followed_live(server, followed):
+    """The hand of the motion as a demonstrator: another robot's joints."""
+    _, motion = followed
+    with server.open("barrett8", motion="pull") as session:
+        demonstrator = session.follow()
+        steps = []
+        for k, at in enumerate(motion.time_s):
+            pose = demonstrator.answer(at, motion.X_WO[k], joints=motion.joints[k], hand="tendon16", X_WH=motion.X_WH[k])
+            assert pose.time_s == at
+            np.testing.assert_allclose(pose.X_WO, motion.X_WO[k], atol=1e-9)
+            steps.append(pose.joints)
+        assert np.abs(np.diff(steps, axis=0)).max() < 0.5
+        with pytest.raises(ValueError, match="2 of them"):
+            demonstrator.send(1.0, np.eye(4), places=np.zeros((21, 3)), mano=np.zeros(51))
+        with pytest.raises(handgraft.Error, match="1.0 s was not answered"):
+            demonstrator.answer(1.0, np.eye(4), joints=[0.0], hand="no_such_hand", patience_s=0.3)
+
+
+def test_frames_alone_make_a_motion():
+    frame = {"time_s": 0.0, "joint_positions": np.array([0.5]), "X_WH": {"p_m": [0, 0, 0], "q_wxyz": [1, 0, 0, 0]},
+             "X_WO": {"p_m": [0, 0, 1], "q_wxyz": [1, 0, 0, 0]}, "max_depth_m": 0.001, "self_depth_m": 0.0}
+    fit = {"presence": 1.0, "mean_mm": 2.0, "normal_deg": 10.0}
+    motion = Motion([{**frame, "patches": [{**fit, "patch": 0, "reached": True}]},
+                     {**frame, "patches": [{**fit, "patch": 0, "reached": True}, {**fit, "patch": 1, "reached": False}]},
+                     {**frame, "patches": [{**fit, "patch": 1, "presence": 0.2, "reached": False}]}],
+                    ["bend"], ["thumb", "index"])
+    np.testing.assert_array_equal(motion.touches, [True, True, False])
+    np.testing.assert_array_equal(motion.reached, [True, False, False])
+    np.testing.assert_array_equal(motion.patches["index"].there, [False, True, False])
+    assert repr(motion) == "Motion(3 frames in 0.00 s, reached in 1 of 2 that touch, 1.0 mm deep at most)"
+    assert repr(motion.patches["thumb"]) == "PatchOverTime('thumb', there in 2 frames, reached in 2)"
