@@ -232,6 +232,8 @@ std::string contacts(const v1::ContactsDescription& set) {
       fmt::format("contacts {} on {}: {}\n", plain(set.name()), plain(set.object()),
                   set.patches().size() == 1 ? std::string("1 patch")
                                             : fmt::format("{} patches", set.patches().size()));
+  if (set.demonstrator() != v1::CHIRALITY_UNKNOWN)
+    out += fmt::format("touched by a {} hand\n", nameOf(set.demonstrator()));
   if (!set.contact_map().empty()) {
     out += fmt::format("contact above {:.3g} counts\n", set.contact_map().front().threshold());
   }

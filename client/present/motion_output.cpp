@@ -195,6 +195,8 @@ std::string motion(const v1::MotionDescription& motion) {
                                 motion.frame_count() == 1 ? "" : "s", motion.duration_s());
   if (motion.duration_s() > 0.0)
     out += fmt::format(", {:.4g} a second", (frames - 1.0) / motion.duration_s());
+  if (motion.demonstrator() != v1::CHIRALITY_UNKNOWN)
+    out += fmt::format("\ntouched by a {} hand", nameOf(motion.demonstrator()));
   out += "\n\n";
   Rows rows = {{"patch", "there s", fmt::format("0 to {:.2f} s", motion.duration_s())}};
   for (const std::string& patch : motion.patches())

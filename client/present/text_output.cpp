@@ -181,6 +181,7 @@ std::string doctor(const DoctorReport& report) {
                      status.name().empty() ? "" : plain(status.name()) + ", ",
                      plain(status.version()), plain(status.host()), status.process_id(),
                      status.uptime_s(), milliseconds(report.found_ms))});
+    if (status.secured()) rows.push_back({"secured", "yes: it checks identities"});
     rows.push_back({"load", fmt::format("{} sessions, {} requests running, {} answered",
                                         status.session_count(), status.requests_running(),
                                         status.requests_answered())});

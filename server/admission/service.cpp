@@ -46,6 +46,7 @@ Service::Service(Bus& bus, ModelStore& models, const ServiceOptions& options)
     : bus_(bus),
       options_(options),
       server_id_(options.state != nullptr ? options.state->serverId() : randomId()),
+      is_secured_(bus.whoIs({}).has_value()),
       started_(Clock::now()),
       reader_(options.reader, options.reader_limits),
       sessions_(server_id_, options.most_sessions),
@@ -124,6 +125,7 @@ v1::ServerStatus Service::status() const {
   }
   message.stopping(stopping_ && options_.state == nullptr);
   message.name(options_.name);
+  message.secured(is_secured_);
   return message;
 }
 

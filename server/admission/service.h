@@ -192,6 +192,7 @@ class Service final : private BusListener, private SessionAudience {
   Bus& bus_;
   const ServiceOptions options_;
   const std::uint64_t server_id_;
+  const bool is_secured_;  ///< it knows who asks
   const std::chrono::steady_clock::time_point started_;
   std::atomic<std::uint64_t> answered_{0};
   std::atomic<bool> stopping_{false};

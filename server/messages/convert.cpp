@@ -154,6 +154,18 @@ v1::Mesh toMessage(const geometry::TriangleMesh& mesh) {
   return message;
 }
 
+v1::Chirality toMessage(hand::Chirality chirality) {
+  switch (chirality) {
+    case hand::Chirality::kUnknown:
+      return v1::CHIRALITY_UNKNOWN;
+    case hand::Chirality::kLeft:
+      return v1::CHIRALITY_LEFT;
+    case hand::Chirality::kRight:
+      return v1::CHIRALITY_RIGHT;
+  }
+  throw BrokenContract("a chirality that does not exist");
+}
+
 v1::Outcome toMessage(optimize::Outcome outcome) {
   switch (outcome) {
     case optimize::Outcome::kConverged:

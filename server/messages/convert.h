@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "core/hand/digits.h"
 #include "core/hand/hand_location.h"
 #include "core/optimize/solve_report.h"
 #include "core/session/session.h"
@@ -36,6 +37,7 @@ v1::HandLocation toMessage(const hand::HandLocation& place);
 std::array<double, 3> toMessage(const Eigen::Vector3d& v);
 v1::Mesh toMessage(const geometry::TriangleMesh& mesh);
 v1::Outcome toMessage(optimize::Outcome outcome);
+v1::Chirality toMessage(hand::Chirality chirality);
 v1::JointKind kindOf(const hand::Joint& joint);
 v1::JointLimit limitOf(const std::string& joint, bool upper);
 /// Names what is a default, too.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/contact/touching_side.h"
 #include "core/hand/anatomy.h"
 #include "core/hand/hand_location.h"
 #include "core/hand/joint_numbers.h"
@@ -70,9 +71,9 @@ void addFingers(v1::HandDescription& message, const hand::Hand& hand, bool is_mi
   if (!is_mirrored && !anatomy.side_note.empty()) message.notes().push_back(anatomy.side_note);
   if (anatomy.chirality != hand::Chirality::kUnknown &&
       anatomy.digits.size() > hand::kClawDigits) {
-    const bool is_right = anatomy.chirality == hand::Chirality::kRight;
-    message.chirality(is_right ? v1::CHIRALITY_RIGHT : v1::CHIRALITY_LEFT);
-    message.notes().emplace_back(is_right ? "a right hand" : "a left hand");
+    message.chirality(toMessage(anatomy.chirality));
+    message.notes().emplace_back(anatomy.chirality == hand::Chirality::kRight ? "a right hand"
+                                                                              : "a left hand");
   }
   const bool has_palm =
       std::any_of(hand.sites.begin(), hand.sites.end(), [](const hand::ContactSite& site) {
@@ -295,6 +296,7 @@ v1::ContactsDescription describe(const StoredContacts& contacts, bool with_meshe
   v1::ContactsDescription message;
   message.name(contacts.name);
   message.object(contacts.set.object);
+  message.demonstrator(toMessage(contact::touchingSide(contacts.set, mesh)));
   message.notes(contacts.set.notes);
   for (const contact::Patch& patch : contacts.set.patches) {
     v1::PatchInfo info;
@@ -327,6 +329,9 @@ v1::MotionDescription describe(const StoredMotion& stored, bool with_file) {
   v1::MotionDescription message;
   message.name(stored.name);
   message.object(stored.object_name);
+  const geometry::TriangleMesh& object_O = stored.object->mesh;
+  message.demonstrator(
+      toMessage(contact::touchingSide(retargeting::graspOf(motion, object_O), object_O)));
   message.duration_s(motion.duration());
   message.frame_count(static_cast<std::uint32_t>(motion.frameCount()));
   message.patches(retargeting::patchNames(motion));

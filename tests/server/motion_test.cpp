@@ -19,6 +19,7 @@ TEST_F(MotionTest, AMotionIsAModelAsAnyOther) {
   const v1::MotionDescription& motion = told.body().model().motion();
   EXPECT_EQ(motion.frame_count(), 16u);
   EXPECT_EQ(motion.object(), "fruit");
+  EXPECT_EQ(motion.demonstrator(), v1::CHIRALITY_RIGHT);
   EXPECT_EQ(motion.patches().size(), motion.presence().size());
   EXPECT_THAT(motion.file(), HasSubstr("handgraft-motion/1"));
 

@@ -194,6 +194,12 @@ TEST_F(Sharing, ASavedSessionIsWhoseLoadsIt) {
             v1::ERROR_NOT_PERMITTED);
 }
 
+TEST_F(Sharing, AServerSaysThatItChecksIdentities) {
+  EXPECT_TRUE(bus.await<v1::ServerStatus>(bus.statuses, [](const v1::ServerStatus& status) {
+    return status.secured();
+  }));
+}
+
 TEST_F(Sharing, IsNothingWhereNobodyKnowsWhoAsks) {
   bus.people.clear();
   const std::uint64_t session = openAs(kAnna);

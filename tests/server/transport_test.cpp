@@ -107,6 +107,7 @@ TEST_F(CrossingTest, CarriesEveryOperation) {
   EXPECT_FALSE(object.model().object().mesh_O().vertices_m().empty());
   const auto marks = client.ask(test::describeModel(v1::MODEL_CONTACTS, "marks", false));
   EXPECT_EQ(marks.model().contacts().patches().size(), 6u);
+  EXPECT_EQ(marks.model().contacts().demonstrator(), v1::CHIRALITY_RIGHT);
 
   const auto opened = client.ask(test::openSession("clamp", "fruit", "marks"));
   const std::uint64_t session = opened.session().session_id();

@@ -124,8 +124,11 @@ TEST(ContactsText, MeasuresEachPatch) {
   EXPECT_THAT(text, HasSubstr("contacts box_1 on box: 1 patch\n"));
   EXPECT_THAT(text, HasSubstr("index       4       160.0      1600       1      given\n"));
   EXPECT_THAT(text, HasSubstr("note: dropped nothing\n"));
+  EXPECT_THAT(text, Not(HasSubstr("touched by")));
   set.patches()[0].direction_O().clear();
-  EXPECT_THAT(text::contacts(set), HasSubstr("open\n"));
+  set.demonstrator(v1::CHIRALITY_LEFT);
+  EXPECT_THAT(text::contacts(set),
+              testing::AllOf(HasSubstr("open\n"), HasSubstr("touched by a left hand\n")));
 }
 
 TEST(ContactsJson, HoldsTheSetAsItsFile) {
