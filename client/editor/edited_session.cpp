@@ -221,6 +221,8 @@ MotionUpdate EditedSession::awaitMotion(std::uint64_t revision) {
       news.is_complete = some.is_last();
     }
     if (news.is_complete) break;
+    const v1::PoseSolution* pose = session_.solution();
+    if (pose != nullptr && pose->revision() >= revision) break;
     const v1::SessionState& state = session_.state();
     const bool is_at_work = state.revision() < revision ||
                             state.phase() == v1::PHASE_OPTIMIZING ||

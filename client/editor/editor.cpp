@@ -311,7 +311,16 @@ CommandOutput Editor::editAt(const Match& match) {
 }
 
 CommandOutput Editor::tellMotion(std::uint64_t revision) {
-  const MotionUpdate news = session_->awaitMotion(revision);
+  MotionUpdate news;
+  try {
+    news = session_->awaitMotion(revision);
+  } catch (const Cancelled&) {
+    if (interruption_.terminated()) throw;
+    session_->stopSolving();
+    throw CommandFailed({1, fmt::format("stopped: revision {} stands, its frames are those of "
+                                        "before; undo takes the edit back",
+                                        revision)});
+  }
   CommandOutput output;
   if (!news.is_complete) return output;
   output.data = {{"frames_changed", news.changed}, {"frame_count", news.frame_count}};
@@ -340,19 +349,19 @@ CommandOutput Editor::publish(const v1::EditBody& body) {
     output.text += fmt::format("revision {}\n", reply.revision());
     return output;
   }
+  if (!session_->state().motion().empty()) {
+    // Once it was solved, its frames answer; before, the grasp that stands for it.
+    const CommandOutput motion = tellMotion(reply.revision());
+    output.text += motion.text;
+    if (!motion.data.empty()) {
+      output.data["motion"] = motion.data;
+      return output;
+    }
+  }
   const v1::PoseSolution* solution = awaitPose(reply.revision());
   if (solution == nullptr) {
     output.text += fmt::format("revision {}: no new solution\n", reply.revision());
     return output;
-  }
-  if (!session_->state().motion().empty()) {
-    const CommandOutput motion = tellMotion(reply.revision());
-    output.text += motion.text;
-    if (!motion.data.empty()) {
-      // The grasp that stands for the motion says nothing of it.
-      output.data["motion"] = motion.data;
-      return output;
-    }
   }
   const CommandOutput pose = tellPose(output.text);
   output.text = pose.text;

@@ -97,7 +97,8 @@ std::vector<FrameFit> fitFrames(const MotionProblem& problem,
     hand::forwardKinematics(*problem.model, poses[k].X_WH, poses[k].q, X_OL);
     FrameFit& fit = fits[k];
     for (const optimize::PointPair& pair : single.pairs) {
-      if (pair.patch < 0) continue;  // a place that is held
+      // Neither a place that is held nor a patch that is switched off.
+      if (pair.patch < 0 || pair.weight == 0.0) continue;
       const Pose& X = X_OL[static_cast<std::size_t>(pair.link)];
       fit.mean_mm += 1e3 * (X * pair.p_L - pair.p_W).norm();
       ++fit.points;

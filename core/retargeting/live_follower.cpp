@@ -14,7 +14,6 @@ namespace handgraft::retargeting {
 namespace {
 
 constexpr double kLivePause = 0.25;  // s
-constexpr int kTouchesToBegin = 3;
 constexpr int kLiveStarts = 16;
 // Of places kept for later frames.
 constexpr double kAngleStep = std::numbers::pi / 36.0;  // rad
@@ -115,6 +114,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   const double step_s = last_s_ ? time_s - *last_s_ : 0.0;
   const bool paused = last_s_ && (step_s > kLivePause || step_s <= 0.0);
   last_s_ = time_s;
+  touches_ = static_cast<int>(touches.size());
 
   // === Parts come and go
   const double fade = options_.fade.seconds > 0.0 && !paused
@@ -137,7 +137,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
 
   // === The pose
   if (!last_O_) {
-    if (static_cast<int>(touches.size()) < kTouchesToBegin) return std::nullopt;
+    if (touches_ < kTouchesToBegin) return std::nullopt;
     for (std::size_t i = 0; i < parts_.size(); ++i)
       parts_[i].presence = is_there[i];
     optimize::SolveOptions solving;
@@ -153,7 +153,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   last_O_ = step.pose;
   Answer answer;
   answer.pose = {X_WO * step.pose.X_WH, step.pose.q};
-  answer.touches = static_cast<int>(touches.size());
+  answer.touches = touches_;
   answer.objective = step.objective;
   answer.evaluations = step.evaluations;
   return answer;

@@ -25,6 +25,8 @@ namespace handgraft::retargeting {
 /// Deterministic. Cost: some tenths of a millisecond a frame, tens of milliseconds once.
 class LiveFollower {
  public:
+  static constexpr int kTouchesToBegin = 3;
+
   /// What counts of the document: as in solveMotion, but for what it says of patches.
   /// Errors: Cancelled on wish.
   LiveFollower(const session::Document& document,
@@ -52,6 +54,9 @@ class LiveFollower {
                                const Pose& X_WO,
                                const std::vector<manipulation::DetectedContact>& touches,
                                const Progress& progress);
+
+  /// Of the demonstrator's last frame.
+  [[nodiscard]] int touches() const { return touches_; }
 
  private:
   struct PartPair {
@@ -83,6 +88,7 @@ class LiveFollower {
   manipulation::CausalSolver solver_;
   std::vector<PartPair> parts_;
   std::map<PlaceKey, std::optional<hand::LinkPoint>> spots_;
+  int touches_ = 0;
   std::optional<double> last_s_;
   std::optional<hand::HandPose> last_O_;  // once it has begun
 };

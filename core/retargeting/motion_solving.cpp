@@ -147,6 +147,7 @@ std::vector<PatchFrameFit> MotionFits::at(int frame) const {
   for (const optimize::PointPair& pair : single.pairs) {
     if (pair.patch < 0) continue;  // a place that is held
     PatchFrameFit& fit = fits[pair.patch];
+    if (pair.weight == 0.0) fit.presence = 0.0;  // it is switched off
     const Pose& X = X_OL[static_cast<std::size_t>(pair.link)];
     fit.mean_mm += 1e3 * (X * pair.p_L - pair.p_W).norm();
     ++fit.points;

@@ -78,7 +78,7 @@ struct PatchFrameFit {
   bool reached = false;     ///< as optimize::diagnose has it by default
 };
 
-/// Of the patches that are there, fading ones too.
+/// Of the patches that are there, fading ones too; those that are switched off as not present.
 class MotionFits {
  public:
   /// Keeps references.

@@ -68,7 +68,13 @@ class Editing {
                   {edit.lower, edit.upper}, {model.lower()[dof], model.upper()[dof]});
   }
 
-  void apply(const JointLockEdit& edit) { jointNamed(edit.joint).locked = edit.locked; }
+  void apply(const JointLockEdit& edit) {
+    jointNamed(edit.joint).locked = edit.locked;
+    if (!edit.locked || !edit.value) return;
+    requireWithin(*edit.value, -kLargestJointValue, kLargestJointValue,
+                  "joint " + quoted(edit.joint));
+    edited.document.start.q[hand().model->dofIndex(edit.joint)] = *edit.value;
+  }
 
   void apply(const JointSoftEdit& edit) {
     DocumentJoint& joint = jointNamed(edit.joint);

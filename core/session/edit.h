@@ -95,12 +95,12 @@ struct JointLimitEdit {
   }
 };
 
-// A locked joint stays where the start has it.
+// A locked joint stays where the start has it, which `value` moves.
 struct JointLockEdit {
   std::string joint;
   bool locked = false;
-  /// Of an edit at a time: where it is held. Who applies the edit fills it in from the motion's
-  /// answer, so that its log needs none.
+  /// Where it is held in a motion: who applies the edit fills it in from the motion's answer,
+  /// so that its log needs none.
   std::optional<double> value{};
 
   static constexpr std::string_view kKind = "joint_lock";

@@ -1,5 +1,6 @@
 #include "server/handlers/edits.h"
 
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -74,7 +75,7 @@ v1::EditReply applyEdit(LiveSession& live,
   requireBase(live, edit, session.revision());
   session::Edit change = editFrom(edit.body());
   const auto when = edit.when().empty() ? timeOfWholeEdit(live, change) : edit.when().front();
-  if (when) change = timedEdit(live, *when, change);
+  change = when ? timedEdit(live, *when, change) : wholeEdit(live, std::move(change));
   session::Session::Keep keep;
   if (live.journal) {
     keep = [&](const session::LogEntry& entry, const session::EditResult& outcome) {

@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "core/base/error.h"
 #include "core/demonstration/posed_hand_tracker.h"
 #include "core/hand/kinematics.h"
@@ -15,6 +17,20 @@ namespace {
 
 constexpr std::size_t kJointPlaceValues = 63;
 constexpr std::size_t kManoValues = 51;
+
+/// Places in other units than metres, or of no hand, are followed to no good.
+void requireHandSized(const hand::JointPlaces& joints_W) {
+  constexpr double kShortest = 0.05;  // m
+  constexpr double kLongest = 0.5;    // m
+  constexpr int kMiddleKnuckle = 9;
+  double length = (joints_W.col(kMiddleKnuckle) - joints_W.col(0)).norm();
+  for (int joint = kMiddleKnuckle; joint < kMiddleKnuckle + 3; ++joint)
+    length += (joints_W.col(joint + 1) - joints_W.col(joint)).norm();
+  if (length >= kShortest && length <= kLongest) return;
+  rejectInput(
+      "values: from the wrist along the middle finger to its tip {:.3g} m; a hand has {} to {}",
+      length, kShortest, kLongest);
+}
 
 manipulation::DemonstratedFrame demonstratedFrom(const v1::DemonstratorFrame& message) {
   manipulation::DemonstratedFrame frame;
@@ -39,6 +55,7 @@ manipulation::DemonstratedFrame demonstratedFrom(const v1::DemonstratorFrame& me
     rejectInput("kind {}: it must be joint_places, mano or joints",
                 static_cast<unsigned>(message.kind()));
   }
+  requireHandSized(frame.joints_W);
   return frame;
 }
 
@@ -117,8 +134,13 @@ void followFrame(LiveSession& live,
                  const v1::DemonstratorFrame& frame) {
   std::string trouble;
   try {
-    if (const auto answer = answerTo(live, models, frame))
+    if (const auto answer = answerTo(live, models, frame)) {
       live.publish(answerOf(live, frame, *answer));
+    } else {
+      trouble = fmt::format(
+          "demonstrator: touches the object with {} of the {} parts that a hand begins with",
+          live.following.follower->touches(), retargeting::LiveFollower::kTouchesToBegin);
+    }
   } catch (const Cancelled&) {
     return;  // it is being closed
   } catch (const std::exception& error) {

@@ -1,5 +1,6 @@
 #include "server/handlers/motion_edits.h"
 
+#include <algorithm>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -48,12 +49,57 @@ const std::string* movedOnHand(const session::Edit& edit) {
       edit);
 }
 
+void requireObjectsOwnWay(const LiveMotion& motion, const session::Edit& edit) {
+  if (!std::holds_alternative<session::ObjectPoseEdit>(edit)) return;
+  rejectInput(
+      "the object goes the way that motion {} tells; it cannot be placed in a session of it",
+      handgraft::quoted(motion.name));
+}
+
+/// Recorded points lie where they were recorded.
+void requireOutline(const LiveMotion& motion, const session::Edit& edit) {
+  const std::string* patch = movedOnHand(edit);
+  if (patch == nullptr) return;
+  for (const manipulation::PatchTrack& track : motion.motion->tracks) {
+    if (track.name != *patch || !manipulation::isRecorded(track.keys.front())) continue;
+    rejectInput(
+        "patch {}: a recorded point has no outline on the hand; its root there cannot be "
+        "moved, "
+        "nor its direction turned",
+        handgraft::quoted(*patch));
+  }
+}
+
+/// Half way between the least and the most of what a joint does.
+double middleOf(const retargeting::SolvedMotion& solved, int dof) {
+  double least = solved.trajectory.poses.front().q[dof];
+  double most = least;
+  for (const hand::HandPose& pose : solved.trajectory.poses) {
+    least = std::min(least, pose.q[dof]);
+    most = std::max(most, pose.q[dof]);
+  }
+  return 0.5 * (least + most);
+}
+
 }  // namespace
+
+session::Edit wholeEdit(LiveSession& live, session::Edit edit) {
+  const LiveMotion* motion = live.motion();
+  if (motion == nullptr) return edit;
+  requireObjectsOwnWay(*motion, edit);
+  requireOutline(*motion, edit);
+  auto* lock = std::get_if<session::JointLockEdit>(&edit);
+  if (lock == nullptr || !lock->locked || motion->solved == nullptr) return edit;
+  const int dof = live.session().hand().model->dofIndex(lock->joint);
+  if (dof >= 0) lock->value = middleOf(*motion->solved, dof);
+  return edit;
+}
 
 session::TimedEdit timedEdit(LiveSession& live,
                              const v1::EditTime& when,
                              const session::Edit& edit) {
   const LiveMotion& motion = motionOf(live);
+  requireOutline(motion, edit);
   session::TimedEdit timed;
   timed.when = {when.time_s() + motion.motion->time_s.front(), when.falloff_s()};
   const double end_s = motion.motion->duration();

@@ -15,6 +15,12 @@ session::TimedEdit timedEdit(LiveSession& live,
                              const v1::EditTime& when,
                              const session::Edit& edit);
 
+/// An edit of all of a session as it is applied. In one that holds a motion a joint is locked
+/// at the middle of what it does there. Errors: InvalidInput for an edit that a motion does not
+/// know: its object goes its own way, and recorded points have no outline on the hand that
+/// could be moved.
+session::Edit wholeEdit(LiveSession& live, session::Edit edit);
+
 /// The time at which an edit of all of a motion is made, reaching over all of it: of roots and
 /// directions on the hand, which are where the motion lays them, time by time, and are moved
 /// from there. Nothing for all other edits, and in a session of a grasp.

@@ -235,8 +235,9 @@ std::optional<v1::PoseSolution> optimizePose(LiveSession& live,
 
 SolveEnd solveAsItStands(LiveSession& live, HandlerContext& context, const Progress& progress) {
   const session::Session& session = live.session();
-  // Beside a motion that follows edits, the grasp that stands for it is shown as it is: a
-  // search would move the prior of the motion, too.
+  // What answers an edit of a motion that follows edits are its frames. The grasp that stands
+  // for it is no answer, and must not be: a bridge would go there, out of the motion.
+  if (followsEdits(live)) return SolveEnd::kDone;
   const auto solve_from_there = [&] {
     session::SolverSettings solving = session.document().solving;
     const bool follows = session.document().start_is_known;
@@ -245,9 +246,8 @@ SolveEnd solveAsItStands(LiveSession& live, HandlerContext& context, const Progr
     }
     return solve(live, solving, follows, context, progress);
   };
-  const SolveEnd end = !session.needsSolve() || followsEdits(live)
-                           ? publishCurrentSolution(live, progress)
-                           : solve_from_there();
+  const SolveEnd end =
+      session.needsSolve() ? solve_from_there() : publishCurrentSolution(live, progress);
   if (end == SolveEnd::kDone) diagnoseLater(live);
   return end;
 }

@@ -25,6 +25,11 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
     rejectInput("contacts {} and motion {}: a session holds one of them",
                 handgraft::quoted(request.contacts()), handgraft::quoted(request.motion()));
   }
+  if (!request.motion().empty() && !request.X_WO().empty()) {
+    rejectInput(
+        "X_WO: motion {} tells where its object is; only a session of contacts places it",
+        handgraft::quoted(request.motion()));
+  }
   std::optional<LiveMotion> motion;
   if (!request.motion().empty()) {
     motion =

@@ -48,7 +48,7 @@ def connect(domain: int | None = None, interface: str | None = None, start: bool
     HANDGRAFT_SERVER, HANDGRAFT_IDENTITY; a bad value there is InvalidInput that names the variable.
 
     Where none answers within 0.5 s (2 s on other interfaces than ``lo``), one is started that
-    ends with this program, unless ``start`` is false; then NoServer is raised. Other programs
+    ends with this program; unless ``start`` is false: then NoServer is raised after 2 s. Other programs
     meet that server, too, and lose it with this one: several at once each give a ``server`` of
     their own, or one ``handgraft-server`` is started before them.
     """

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Mapping, Sequence
 import numpy as np
 
 from . import _handgraft
-from .errors import Error
-from .poses import Pose, matrices_of, message_of
+from .errors import Error, InvalidInput
+from .poses import Pose, in_order, matrices_of, message_of
 
 if TYPE_CHECKING:
     from .session import Session
@@ -42,9 +42,10 @@ class Motion:
     """A hand that follows a motion: T frames, as a session's last answer has them."""
 
     def __init__(self, frames: Sequence[Mapping[str, Any]], joint_names: Sequence[str], patch_names: Sequence[str],
-                 summary: Mapping[str, Any] | None = None):
+                 summary: Mapping[str, Any] | None = None, revision: int = 0):
         self.frames = list(frames)  #: MotionFrame of idl/motions.idl, each
         self.summary = summary  #: MotionSummary, of `Session.solve_motion`; None after edits
+        self.revision = revision  #: of the edits that these frames answer
         self.joint_names = list(joint_names)
         self.time_s: np.ndarray = np.array([frame["time_s"] for frame in frames])  #: T, from the motion's begin
         self.joints: np.ndarray = np.array([frame["joint_positions"] for frame in frames])  #: T x J, rad or m
@@ -77,6 +78,8 @@ class Motion:
 
     def __getitem__(self, joint: str) -> np.ndarray:
         """Positions of one joint, T."""
+        if joint not in self.joint_names:
+            raise KeyError(f"joint {joint!r}: there are {', '.join(self.joint_names)}")
         return self.joints[:, self.joint_names.index(joint)]
 
     def __repr__(self) -> str:
@@ -88,47 +91,67 @@ class Demonstrator:
     """A human hand, or another robot's, that a session's hand follows live. Made by `Session.follow`.
 
     Each frame tells where the demonstrator's hand and the object are; the server finds where they touch and
-    answers by a pose, which `Session.watch` and all other watchers see, too. `Pose.time_s` tells of which frame.
+    answers by a pose, which `Session.watch` and all other watchers see, too. `Pose.time_s` tells of which frame. It
+    begins once the demonstrator touches the object with three parts of the hand. A session follows one demonstrator
+    at a time.
     """
 
     def __init__(self, session: Session, chirality: str):
         self._session = session
         self._writer = _handgraft.DemonstratorWriter(session._session)
         self._chirality = chirality
+        self._joints: dict[str, list[str]] = {}
         self._stream = session._session.watch()
 
     def send(self, time_s: float, X_WO: np.ndarray, *, places: Any = None, mano: Any = None,
              joints: Mapping[str, float] | Sequence[float] | None = None, hand: str = "",
              X_WH: np.ndarray | None = None) -> None:
-        """One frame of the demonstrator's own clock, which has to rise. One of these tells the hand:
+        """One frame of the demonstrator's own clock, which has to rise (one that goes back by 0.25 s and more begins
+        anew). One of these tells the hand:
 
         ``places``: 21 x 3, m, in the world: the wrist, then of thumb, index, middle, ring and little finger three
         joints from the knuckle on and the tip. ``mano``: MANO's 48 rotation vector entries and its translation, m.
-        ``joints``: positions of the joints of ``hand``, a model of the server, in its order, with its root ``X_WH``.
+        ``joints``: positions of the joints of ``hand``, a model of the server, by name or in its order, with its
+        root ``X_WH``.
         """
         told = [(kind, values) for kind, values in (("joint_places", places), ("mano", mano), ("joints", joints))
                 if values is not None]
         if len(told) != 1:
             raise ValueError(f"a frame tells places, mano or joints; {len(told)} of them are given")
         kind, values = told[0]
+        if kind == "joint_places" and np.shape(values) != (21, 3):
+            raise InvalidInput(f"places: an array of shape {np.shape(values)}; it must be 21 x 3")
+        if isinstance(values, Mapping):
+            values = in_order(values, self._joints_of(hand), f"joints of {hand!r}")
         self._writer.send({
             "time_s": time_s, "chirality": self._chirality, "kind": kind, "hand": hand,
             "values": np.asarray(values, dtype=float).ravel(),
             "X_WH": None if X_WH is None else message_of(X_WH), "X_WO": message_of(X_WO),
         })
 
+    def _joints_of(self, hand: str) -> list[str]:
+        if hand not in self._joints:
+            described = self._session._server.describe("hand", hand)
+            self._joints[hand] = [joint["name"] for joint in described["joints"]]
+        return self._joints[hand]
+
     def answer(self, time_s: float, X_WO: np.ndarray, *, patience_s: float = 1.0, **hand: Any) -> Pose:
         """Sends a frame as `send` does and waits for its pose. Raises Error with what the server says of it, if none comes."""
         while self._stream.next(0.0) is not None:
             pass  # of frames before
+        before = self._session.state()["message"]  # of a frame that was wrong, perhaps
         self.send(time_s, X_WO, **hand)
         until = time.monotonic() + patience_s
         while (left := until - time.monotonic()) > 0.0:
-            event = self._stream.next(left)
-            if event is None:
-                continue
-            kind, message = event
-            if kind == "solution" and message["time_s"] == time_s:
-                return Pose(message, self._session.joint_names)
-        said = self._session.state()["message"]
-        raise Error(f"the frame at {time_s} s was not answered within {patience_s} s" + (f": {said}" if said else ""))
+            event = self._stream.next(min(left, 0.05))
+            if event is not None and event[0] == "solution" and event[1]["time_s"] == time_s:
+                return Pose(event[1], self._session.joint_names)
+            said = self._session.state()["message"]
+            if event is None and said != before and said.startswith("demonstrator: "):
+                break
+        state = self._session.state()
+        why = "the session is closed" if state["phase"] == "closed" else state["message"]
+        raise Error(f"the frame at {time_s} s is not answered{': ' if why else ''}{why}")
+
+    def __repr__(self) -> str:
+        return f"Demonstrator({self._chirality}, followed by {self._session!r})"

@@ -6,6 +6,8 @@ from typing import Any, Mapping, Sequence
 
 import numpy as np
 
+from .errors import InvalidInput
+
 
 def matrix_of(pose: Mapping[str, Any]) -> np.ndarray:
     """The 4x4 matrix of a message's position and quaternion (w x y z)."""
@@ -23,6 +25,15 @@ def matrix_of(pose: Mapping[str, Any]) -> np.ndarray:
 def matrices_of(poses: Sequence[Mapping[str, Any]]) -> np.ndarray:
     """Of many, n x 4 x 4."""
     return np.array([matrix_of(pose) for pose in poses]).reshape(-1, 4, 4)
+
+
+def in_order(values: Mapping[str, float], names: Sequence[str], what: str) -> list[float]:
+    """Values by name as a list, in the order of all the names."""
+    if strange := sorted(set(values) - set(names)):
+        raise InvalidInput(f"{what}: there is no {strange[0]!r}; there are {', '.join(names)}")
+    if missing := [name for name in names if name not in values]:
+        raise InvalidInput(f"{what}: {missing[0]!r} is missing")
+    return [float(values[name]) for name in names]
 
 
 def message_of(X: np.ndarray) -> dict[str, Any]:

@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import re
+import warnings
 from typing import Any, Iterator, Mapping, Sequence
 
 import numpy as np
@@ -20,6 +21,7 @@ from .studies import Sweep, property_of
 from .view import web_folder
 
 _KINDS = ("hand", "object", "contacts", "motion")
+_TIMING = ("rate_hz", "slide_begin_share", "slide_end_share", "vanish_share", "appear_share")
 
 
 @contextlib.contextmanager
@@ -30,6 +32,15 @@ def _units_as_arguments() -> Iterator[None]:
     except Error as error:
         error.args = (re.sub(r"--units (\w+)", r"units='\1'", str(error)),)
         raise
+
+
+def _object_named_in(text: str) -> list[str]:
+    """The object that a set of contacts says that it lies on, if it does."""
+    try:
+        said = json.loads(text).get("object")
+    except (ValueError, AttributeError):
+        return []  # the server says what is wrong with the file
+    return [said] if isinstance(said, str) and said else []
 
 
 def _is_path(model: Any, option: str) -> bool:
@@ -48,6 +59,10 @@ class Server:
     def __init__(self, client: _handgraft.Client):
         self._client = client
         self._page: _handgraft.Page | None = None
+
+    def __repr__(self) -> str:
+        status = self.status
+        return f"Server({status['version']} on {status['host']}, {status['session_count']} sessions)"
 
     @property
     def status(self) -> dict[str, Any]:
@@ -105,18 +120,27 @@ class Server:
         with _units_as_arguments():
             return self._client.load_contacts(os.fspath(path), object, name, units, options)["name"]
 
-    def load_motion(self, path: str | os.PathLike[str], object: str = "", name: str = "", *,
-                    object_path: str | os.PathLike[str] | None = None) -> str:
+    def load_motion(self, path: str | os.PathLike[str], object: str | os.PathLike[str] = "", name: str = "", *,
+                    object_path: str | os.PathLike[str] | None = None, hand: str | os.PathLike[str] = "") -> str:
         """Sends a motion (``handgraft-motion/1``), a recording of contacts or a demonstration; returns its name.
 
         ``object``: that it is of; by default the one that the file names. ``object_path``: the splines (``.smexp``) of
-        the object's way, where a recording of contact points lacks it.
+        the object's way, where a recording of contact points lacks it. ``hand``: whose joints the file tells, as a
+        motion is exported to json or csv: what that hand touched is the motion.
         """
-        if object_path is None:
+        object = self.load_object(object) if object and _is_path(object, "object") else object
+        if object_path is None and not hand:
             return self._client.load_motion(os.fspath(path), object, name)["name"]
         name = name or pathlib.Path(path).stem
-        plan = {"format": "handgraft-motion-plan/1", "name": name, "recording": "recording.json",
-                "object_path": "object.smexp"}
+        plan = {"format": "handgraft-motion-plan/1", "name": name}
+        if hand:
+            hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
+            did = "did" + pathlib.Path(path).suffix
+            plan |= {"hand": hand, "hand_trajectory": did}
+            texts = {did: pathlib.Path(path).read_text()}
+            object = object or next(iter(_object_named_in(texts[did])), "")
+            return self._client.load_planned_motion(name, object, json.dumps(plan), texts)["name"]
+        plan |= {"recording": "recording.json", "object_path": "object.smexp"}
         texts = {"recording.json": pathlib.Path(path).read_text(), "object.smexp": pathlib.Path(object_path).read_text()}
         return self._client.load_planned_motion(name, object, json.dumps(plan), texts)["name"]
 
@@ -134,18 +158,21 @@ class Server:
         lines = ["time_s,x,y,z,qw,qx,qy,qz"]
         for at, pose in zip(time_s, map(message_of, X_WO)):
             lines.append(",".join(repr(float(value)) for value in (at, *pose["p_m"], *pose["q_wxyz"])))
+        if strange := sorted(set(timing) - set(_TIMING)):
+            raise TypeError(f"join_grasps has no {strange[0]!r}; there are {', '.join(_TIMING)}")
         plan = {"format": "handgraft-motion-plan/1", "name": name, "first": "first.json", "last": "last.json",
-                "path": "path.csv", **timing}
+                "path": "path.csv", **{key: float(value) for key, value in timing.items()}}
         texts = {"path.csv": "\n".join(lines) + "\n"}
         under: list[str] = []
         for uri, contacts in (("first.json", first), ("last.json", last)):
             if _is_path(contacts, uri[:-5]):
                 texts[uri] = pathlib.Path(contacts).read_text()
+                under += _object_named_in(texts[uri])
                 continue
             described = self.describe("contacts", os.fspath(contacts))
             texts[uri] = described["file"]
             under.append(described["object"])
-        if len(set(under)) > 1:
+        if len(set(under)) > 1 and not object:
             raise InvalidInput(f"contacts {first!r} lie on object {under[0]!r} and {last!r} on {under[1]!r}: a motion is "
                                "of one object")
         object = object or (under[0] if under else "")
@@ -165,8 +192,11 @@ class Server:
         object = self.load_object(object) if _is_path(object, "object") else object
         if len(time_s) != len(joints):
             raise InvalidInput(f"joints: {len(joints)} rows for {len(time_s)} times")
-        names = list(joint_names) if joint_names is not None else [
-            joint["name"] for joint in self.describe("hand", hand)["joints"]]
+        wrong = np.argwhere(~np.isfinite(np.asarray(joints, dtype=float)))
+        if len(wrong) > 0 or not np.all(np.isfinite(time_s)):
+            raise InvalidInput(f"joints: frame {wrong[0][0]}, joint {wrong[0][1]} is not finite" if len(wrong) > 0
+                               else "time_s: a time is not finite")
+        names = list(joint_names) if joint_names is not None else self._joints_of(hand)
         frames: list[dict[str, Any]] = [{"time_s": float(at), "joints": np.asarray(row, dtype=float).tolist()}
                                         for at, row in zip(time_s, joints)]
         for key, poses in (("X_WH", X_WH), ("X_WO", X_WO)):
@@ -177,22 +207,28 @@ class Server:
             for frame, pose in zip(frames, map(message_of, poses)):
                 frame[key] = {entry: np.asarray(values).tolist() for entry, values in pose.items()}
         plan = {"format": "handgraft-motion-plan/1", "name": name, "hand": hand, "hand_trajectory": "did.json"}
-        plan |= {key: value for key, value in (("reach_m", reach_m), ("every_s", every_s)) if value is not None}
+        plan |= {key: float(value) for key, value in (("reach_m", reach_m), ("every_s", every_s)) if value is not None}
         did = {"format": "handgraft-trajectory/1", "hand": hand, "object": object, "joint_names": names,
                "frames": frames}
         return self._client.load_planned_motion(name, object, json.dumps(plan), {"did.json": json.dumps(did)})["name"]
 
     def contacts_of_pose(self, hand: str | os.PathLike[str], object: str | os.PathLike[str],
-                         joints: Mapping[str, float] | None = None, *, X_WH: np.ndarray | None = None,
+                         joints: Mapping[str, float] | Sequence[float] | None = None, *, X_WH: np.ndarray | None = None,
                          X_WO: np.ndarray | None = None, pose: str = "", reach: float = 0.0, name: str = "") -> str:
         """Where a posed hand touches an object, as a set of contacts; returns its name.
 
-        ``joints``: positions, rad or m, of those that differ from the hand's named ``pose``, by default its rest pose.
+        ``joints``: positions, rad or m, by name, of those that differ from the hand's named ``pose``, by default its
+        rest pose; or of all, in its order.
         ``X_WH``, ``X_WO``: the hand's root and the object in the world. ``reach``: m, at which contact ends; 0: 0.01.
         """
         hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
         object = self.load_object(object) if _is_path(object, "object") else object
-        given = joints or {}
+        given = {} if joints is None else joints
+        if not isinstance(given, Mapping):
+            names = self._joints_of(hand)
+            if len(given) != len(names):
+                raise InvalidInput(f"joints: {len(given)} numbers; hand {hand!r} has {len(names)} joints")
+            given = dict(zip(names, given))
         request = {"name": name or f"{object}_{hand}", "hand": hand, "object": object, "start_pose": pose,
                    "joints": list(given), "joint_positions": list(given.values()), "reach_m": reach,
                    "X_WH": None if X_WH is None else message_of(X_WH),
@@ -206,9 +242,16 @@ class Server:
         hash_of_all = hashlib.sha256(repr(request).encode()).hexdigest()[:8]
         return self._made("pose_contacts", {**request, "name": f"{request['name'][:55]}-{hash_of_all}"})
 
+    def _joints_of(self, hand: str) -> list[str]:
+        return [joint["name"] for joint in self.describe("hand", hand)["joints"]]
+
     def _made(self, member: str, request: dict[str, Any], kind: str = "") -> str:
         """The name of a model that the server makes."""
         return self._client.ask({"kind": kind or member, member: request})["models"]["models"][0]["name"]
+
+    def unload(self, kind: str, name: str) -> None:
+        """Takes a model (hand, object, contacts, motion) away; sessions that have it keep it."""
+        self._client.unload(kind, name)
 
     # === Hands that are not built yet
 
@@ -228,17 +271,35 @@ class Server:
               seed: int = 0) -> Sweep:
         """Solves every grasp, (object, contacts), and motion with every combination of values.
 
+        Each model is a name on the server, or the path of a file to send. Limits are in rad or m.
+
             server.sweep("tendon16", {"thumb_mcp.upper": np.linspace(0.3, 1.2, 10)}, [("lemon", "lemon_3")])
         """
         hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
+        if not isinstance(vary, Mapping):
+            raise TypeError("vary: must map properties to values: {'hand.size': [0.9, 1.0, 1.1]}")
         axes = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in vary.items()}
-        asked = [{"object": object, "contacts": contacts} for object, contacts in grasps]
-        asked += [{"object": self.describe("motion", motion)["object"], "motion": motion} for motion in motions]
+        for name, values in axes.items():
+            if not np.all(np.isfinite(values)):
+                raise InvalidInput(f"{name}: a value is not finite")
+            if property_of(name)["property"] in ("lower", "upper") and np.abs(values).max(initial=0.0) > 2 * np.pi:
+                warnings.warn(f"{name}: {values[np.abs(values).argmax()]:g} rad; limits are in rad or m, not degrees",
+                              stacklevel=2)
+        asked: list[dict[str, str]] = []
+        for grasp in grasps:
+            if isinstance(grasp, str) or len(grasp) != 2:
+                raise TypeError(f"grasps: {grasp!r}; each must be (object, contacts)")
+            sent = self._send(hand, *grasp, "")
+            asked.append({"object": sent["object"], "contacts": sent["contacts"]})
+        motions = [motions] if isinstance(motions, str) else list(motions)
+        for k, motion in enumerate(motions):
+            motions[k] = self.load_motion(motion) if _is_path(motion, "motion") else motion
+            asked.append({"object": self.describe("motion", motions[k])["object"], "motion": motions[k]})
         request = {"hand": hand, "grasps": asked,
                    "axes": [{**property_of(name), "values": values} for name, values in axes.items()],
                    "options": {"starts": starts, "seed": seed}}
         reply = self._client.ask({"kind": "sweep", "sweep": request})["sweep"]
-        return Sweep(reply, axes, [contacts for _, contacts in grasps] + list(motions))
+        return Sweep(reply, axes, [one.get("contacts") or one["motion"] for one in asked])
 
     # === Grasps and motions
 
@@ -261,6 +322,8 @@ class Server:
         if X_WO is not None:
             request["X_WO"] = message_of(X_WO)
         if weights is not None:
+            if len(weights) != 3:
+                raise InvalidInput(f"weights: {len(weights)} numbers; they are of distance, normals and prior")
             request["weights"] = dict(zip(("distance", "normal", "prior"), weights))
         return Session(self._client.open_session(request), self)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Iterator, Sequence
 import numpy as np
 
 from . import _handgraft
-from .errors import Error, NoServer, Refused, SolveFailed
+from .errors import Cancelled, Error, InvalidInput, NoServer, Refused, SolveFailed
 from .motions import Demonstrator, Motion
 from .poses import Pose, message_of
 from .view import View, web_folder
@@ -43,6 +43,10 @@ class Session:
             self.close()
         except (Refused, NoServer):
             pass  # it is closed already, or its server is gone
+
+    def __repr__(self) -> str:
+        state = self._session.state()
+        return f"Session({self.id}: {state['hand']} on {state['object']}, revision {state['revision']}, {state['phase']})"
 
     @property
     def id(self) -> int:
@@ -95,6 +99,8 @@ class Session:
         """
         solution = self._session.await_final(self._revision)
         if solution is None:
+            if self._session.state()["motion"]:
+                raise Error(f"session {self.id} holds a motion: motion() tells its frames")
             raise Error(f"session {self.id} has no pose at revision {self._revision}: solve it first")
         if diagnosed and not solution["is_diagnosed"]:
             solution = self._session.await_diagnosed(self._revision)
@@ -129,12 +135,13 @@ class Session:
 
     def solve_motion(self, *, causal: bool = False, smoothness: float = 0.0, fade_s: float = 0.0,
                      acceleration_limit: float = 0.0, starts: int = 0, seed: int = 0) -> Motion:
-        """Has the hand follow the session's motion and waits for it. 0: the default.
+        """Has the hand follow the session's motion and waits for it. 0: the server's default.
 
-        All frames at once; with ``causal`` each from those before it, as a stream is followed. ``fade_s``: in which
-        patches come and go. ``acceleration_limit``: rad/s^2 or m/s^2, of every joint.
+        All frames at once; with ``causal`` each from those before it, as a stream is followed. ``smoothness``: what a
+        second difference of a joint counts (rad^-2 at 120 frames a second). ``fade_s``: s, in which patches come and
+        go. ``acceleration_limit``: rad/s^2 or m/s^2, of every joint. From now on edits are followed by frames.
         """
-        options = {"causal": causal, "smoothness": smoothness, "fade_s": fade_s,
+        options = {"causal": bool(causal), "smoothness": smoothness, "fade_s": fade_s,
                    "acceleration_limit": acceleration_limit, "solving": {"starts": starts, "seed": seed}}
         summary = self._ask("solve_motion", {"session_id": self.id, "options": options}, "motion")
         return self._frames(summary)
@@ -142,14 +149,36 @@ class Session:
     def motion(self) -> Motion:
         """The frames that answer the last edit of this program; waits for them. Edits of a motion that has been
         solved are followed by frames as those of a grasp by poses."""
-        while True:
-            state = self._session.state()
-            if state["revision"] >= self._revision and state["phase"] in ("ready", "failed", "closed"):
-                break
-            time.sleep(0.005)
+        state = self._rested()
+        if not state["motion"]:
+            raise Error(f"session {self.id} holds no motion: pose() tells its hand")
+        if state["phase"] == "closed":
+            raise Error(f"session {self.id} has been closed")
         if state["phase"] == "failed":
             raise SolveFailed(state["message"])
-        return self._frames(None)
+        if state["phase"] == "open":
+            raise Error(f"session {self.id} has no frames: solve_motion makes them")
+        motion = self._frames(None)
+        if motion.revision < self._revision and state["message"] in ("stopped", "cancelled"):
+            raise Cancelled(f"the solve after edit {self._revision} was {state['message']}; the frames there are answer "
+                            f"edit {motion.revision}")
+        return motion
+
+    def _rested(self) -> dict[str, Any]:
+        """The session's state once nothing is at work for the last edit of this program."""
+        try:
+            while True:
+                state = self._session.state()
+                if state["phase"] == "closed":
+                    return state
+                if state["revision"] >= self._revision and state["phase"] not in ("transferring", "optimizing"):
+                    return state
+                if not self._server._client.alive():
+                    raise NoServer("the server stopped answering")
+                time.sleep(0.005)
+        except KeyboardInterrupt:
+            self.stop()
+            raise
 
     @contextlib.contextmanager
     def at(self, time_s: float, falloff_s: float = 0.0) -> Iterator[Session]:
@@ -158,6 +187,8 @@ class Session:
 
             with session.at(1.2, falloff_s=0.3):
                 session.turn("thumb", 0.2)
+
+        It holds for whoever edits by this object meanwhile: threads take one each (`Server.join`).
         """
         before = self._when
         self._when = {"time_s": time_s, "falloff_s": falloff_s}
@@ -168,6 +199,8 @@ class Session:
 
     def follow(self, chirality: str = "right") -> Demonstrator:
         """A demonstrator whose frames the session's hand follows live; ``chirality``: of their hand, left or right."""
+        if chirality not in ("left", "right"):
+            raise InvalidInput(f"chirality {chirality!r}: permitted are left, right")
         return Demonstrator(self, chirality)
 
     def _ask(self, kind: str, request: dict[str, Any], answer: str) -> dict[str, Any]:
@@ -182,7 +215,7 @@ class Session:
             if reply["is_last"] or not reply["frames"]:
                 break
         patches = self._server.describe("motion", state["motion"])["patches"]
-        return Motion(frames, state["joint_names"], patches, summary)
+        return Motion(frames, state["joint_names"], patches, summary, reply["revision"])
 
     # === Edits; each is answered by a fresh pose: `pose()` waits for it
 
@@ -197,8 +230,8 @@ class Session:
         return reply["message"]
 
     def lock(self, joint: str, locked: bool = True) -> None:
-        """Holds a joint where it is, or lets it go."""
-        self.edit("joint_lock", "joint_lock", {"joint": joint, "locked": locked})
+        """Holds a joint where it is, or lets it go; in a motion in the middle of what it does, `at` a time where it is then."""
+        self.edit("joint_lock", "joint_lock", {"joint": joint, "locked": bool(locked)})
 
     def limit(self, joint: str, lower: float, upper: float) -> None:
         """A joint's range, rad or m; warns where angles seem to be degrees, or metres millimetres."""
@@ -216,7 +249,7 @@ class Session:
 
     def enable(self, patch: str, enabled: bool = True) -> None:
         """Has a patch count, or not."""
-        self.edit("patch_enabled", "patch_enabled", {"patch": patch, "enabled": enabled})
+        self.edit("patch_enabled", "patch_enabled", {"patch": patch, "enabled": bool(enabled)})
 
     def turn(self, patch: str, angle: float, side: str = "hand") -> None:
         """Turns a patch about the outward normal, counter-clockwise, on the hand or the object."""
@@ -230,9 +263,19 @@ class Session:
         """What distances (1/m^2), normals and the prior count."""
         self.edit("weights", "weights", {"distance": distance, "normal": normal, "prior": prior})
 
-    def drag(self, link: str, p_L: Sequence[float], target_W: Sequence[float]) -> None:
-        """Moves a point of a link (m, in the link's frame) to a place in the world."""
-        self.edit("drag", "drag", {"link": link, "p_L_m": p_L, "target_W_m": target_W})
+    def drag(self, link: str, p_L: Sequence[float], target_W: Sequence[float], weight: float = 1.0) -> None:
+        """Moves a point of a link (m, in the link's frame) to a place in the world, and holds it there until `release`.
+
+        ``weight`` 1 holds it 20 times as firmly as all patches together; 0: the next solve may take it back. Warns
+        where it falls short of its target.
+        """
+        said = self.edit("drag", "drag", {"link": link, "p_L_m": p_L, "target_W_m": target_W, "weight": weight})
+        if said:
+            warnings.warn(said, stacklevel=2)
+
+    def release(self, link: str = "") -> None:
+        """Lets go what was dragged of a link, or all of it."""
+        self.edit("release", "release", {"link": link})
 
     def choose(self, rank: int) -> None:
         """Takes one of the places where searches ended, as `Pose.minima` ranks them; 0 is the best."""
@@ -265,7 +308,11 @@ class Session:
     # === Files
 
     def export(self, format: str, path: str | os.PathLike[str] | None = None) -> bytes:
-        """The last pose for other programs: json, csv, obj, glb, isaac_grasp, ...; written to ``path``, too."""
+        """The last pose for other programs, or the last frames of a motion; written to ``path``, too.
+
+        A pose as json, csv, obj, glb, isaac_grasp, problem or html; a motion as json, csv, glb, npz, mjcf or
+        ros_trajectory (core/io/FORMATS.md).
+        """
         content = self._session.export({"format": format})
         if path is not None:
             pathlib.Path(path).write_bytes(content)

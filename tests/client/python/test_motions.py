@@ -142,8 +142,99 @@ def test_a_demonstrator_is_followed_live(server, followed):
         assert np.abs(np.diff(steps, axis=0)).max() < 0.5
         with pytest.raises(ValueError, match="2 of them"):
             demonstrator.send(1.0, np.eye(4), places=np.zeros((21, 3)), mano=np.zeros(51))
-        with pytest.raises(handgraft.Error, match="1.0 s was not answered"):
-            demonstrator.answer(1.0, np.eye(4), joints=[0.0], hand="no_such_hand", patience_s=0.3)
+        by_name = dict(zip(motion.joint_names, motion.joints[-1]))
+        pose = demonstrator.answer(2.1, motion.X_WO[-1], joints=by_name, hand="tendon16", X_WH=motion.X_WH[-1])
+        np.testing.assert_allclose(pose.joints, steps[-1], atol=0.05)
+        with pytest.raises(handgraft.Error, match="2.2 s is not answered: .*'no_such_hand' is not known"):
+            demonstrator.answer(2.2, np.eye(4), joints=[0.0], hand="no_such_hand")
+        with pytest.raises(handgraft.InvalidInput, match="joints of 'tendon16': there is no 'tail'"):
+            demonstrator.send(2.2, np.eye(4), joints={**by_name, "tail": 0.0}, hand="tendon16")
+        with pytest.raises(handgraft.InvalidInput, match=r"shape \(3, 21\); it must be 21 x 3"):
+            demonstrator.send(2.2, np.eye(4), places=np.zeros((3, 21)))
+        with pytest.raises(handgraft.InvalidInput, match="'middle': permitted are left, right"):
+            session.follow("middle")
+
+
+def test_a_demonstrator_that_touches_nothing_is_told(server, pull):
+    with server.open("barrett8", motion=pull) as session:
+        demonstrator = session.follow()
+        places = np.zeros((21, 3))
+        for finger in range(5):
+            places[1 + 4 * finger: 5 + 4 * finger, 0] = 5 + np.linspace(0.08, 0.16, 4)
+        places[0, 0] = 5
+        with pytest.raises(handgraft.Error, match="touches the object with 0 of the 3 parts"):
+            demonstrator.answer(0.0, np.eye(4), places=places)
+        with pytest.raises(handgraft.Error, match="a hand has 0.05 to 0.5"):
+            demonstrator.answer(0.1, np.eye(4), places=1e3 * places)
+
+
+def test_what_a_motion_lacks_is_told_and_not_waited_for(server, pull):
+    with server.open("tendon16", motion=pull) as session:
+        with pytest.raises(handgraft.Error, match="solve_motion makes them"):
+            session.motion()
+        session.solve_motion(causal=np.bool_(True))
+        session.weigh("thumb", 2.0)
+        assert session.motion().revision == session.revision
+        with pytest.raises(handgraft.Error, match=r"motion\(\) tells its frames"):
+            session.pose()
+    with server.open("barrett8", "lemon", "lemon_3") as session:
+        session.solve()
+        with pytest.raises(handgraft.Error, match="holds no motion"):
+            session.motion()
+
+
+def test_no_pose_is_published_beside_a_motion(server, pull):
+    """A bridge that follows the session would leave the motion for it."""
+    with server.open("tendon16", motion=pull) as session:
+        session.solve_motion()
+        stream = session.watch(final=False)
+        for weight in (2.0, 3.0):
+            session.weigh("thumb", weight)
+            session.motion()
+        last = server.join(session.id)._session.last()
+        assert last is None
+        session.close()
+        assert list(stream) == []
+
+
+def test_a_joint_is_locked_in_the_middle_of_what_it_does(server, pull):
+    with server.open("tendon16", motion=pull) as session:
+        before = session.solve_motion()
+        joint = before.joint_names[int(np.ptp(before.joints, axis=0).argmax())]
+        session.lock(joint)
+        locked = session.motion()
+        middle = 0.5 * (before[joint].min() + before[joint].max())
+        np.testing.assert_allclose(locked[joint], middle, atol=1e-6)
+        session.lock(joint, np.bool_(False))
+        assert np.ptp(session.motion()[joint]) > 0
+
+
+def test_a_patch_that_is_switched_off_is_not_missed(server, pull):
+    with server.open("tendon16", motion=pull) as session:
+        before = session.solve_motion()
+        session.enable("thumb", False)
+        after = session.motion()
+        assert after.reached.sum() == before.reached.sum() == len(before)
+        assert not after.patches["thumb"].there.any()
+        assert session.solve_motion().summary["mean_mm"] < before.summary["mean_mm"] + 1
+
+
+def test_the_object_goes_the_motions_way(server, pull):
+    with pytest.raises(handgraft.Refused, match="X_WO: motion 'pull' tells where its object is"):
+        server.open("tendon16", motion=pull, X_WO=np.eye(4))
+    with server.open("tendon16", motion=pull) as session:
+        with pytest.raises(handgraft.Refused, match="goes the way that motion 'pull' tells"):
+            session.place(np.eye(4))
+
+
+def test_an_exported_motion_is_read_back_with_its_hand(server, followed, tmp_path):
+    session, motion = followed
+    for format in ("json", "csv"):
+        session.export(format, tmp_path / f"again.{format}")
+        name = server.load_motion(tmp_path / f"again.{format}", "box", f"again_{format}", hand="tendon16")
+        assert server.describe("motion", name)["duration_s"] == pytest.approx(motion.time_s[-1])
+        server.unload("motion", name)
+        assert name not in server.models("motion")
 
 
 def test_frames_alone_make_a_motion():

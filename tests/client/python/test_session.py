@@ -205,3 +205,22 @@ def test_ctrl_c_ends_a_wait_and_the_work(domain, server):
     child.send_signal(signal.SIGINT)
     assert child.stdout.readline() == "stopped\n"
     assert child.wait() == 0
+
+
+def test_a_dragged_place_is_held_until_it_is_let_go(server):
+    with server.open("barrett8", "lemon", "lemon_6") as session:
+        before = session.solve()
+        names = [link["name"] for link in server.describe("hand", "barrett8")["links"]]
+        palm = names.index("palm")
+        target = before.link_poses[palm][:3, 3] + (0, 0, 0.03)
+        session.drag("palm", [0, 0, 0], target)
+        assert np.linalg.norm(session.pose().link_poses[palm][:3, 3] - target) < 0.003
+        session.release()
+        after = session.pose()
+        assert np.linalg.norm(after.link_poses[palm][:3, 3] - target) > 0.003
+
+
+def test_weights_are_three(server):
+    for weights in ([1, 2], [1, 2, 3, 4]):
+        with pytest.raises(handgraft.InvalidInput, match=f"weights: {len(weights)} numbers"):
+            server.open("barrett8", "lemon", "lemon_3", weights=weights)

@@ -95,3 +95,22 @@ def test_a_posed_hand_leaves_contacts(server):
     with pytest.raises(handgraft.Refused, match="nowhere|touch"):
         server.contacts_of_pose("human20", "lemon", joints, X_WH=np.diag([1.0, 1, 1, 1]), X_WO=pose.X_WO + np.eye(4, k=3) * 9,
                                 name="apart")
+
+
+def test_joints_of_a_posed_hand_may_be_an_array(server):
+    pose = server.grasp("human20", "lemon", "lemon_3")
+    name = server.contacts_of_pose("human20", "lemon", pose.joints, X_WH=pose.X_WH, X_WO=pose.X_WO, name="by_array")
+    assert server.describe("contacts", name)["demonstrator"] == "right"
+    with pytest.raises(handgraft.InvalidInput, match="2 numbers; hand 'human20' has 20 joints"):
+        server.contacts_of_pose("human20", "lemon", [0.1, 0.2])
+
+
+def test_what_is_swept_is_checked_before_it_is_sent(server):
+    with pytest.raises(TypeError, match="vary"):
+        server.sweep("barrett8", ["hand.size"], [("lemon", "lemon_3")])
+    with pytest.raises(TypeError, match="'lemon_3'; each must be"):
+        server.sweep("barrett8", {"hand.size": [1.0]}, ["lemon_3"])
+    with pytest.raises(handgraft.InvalidInput, match="hand.size: a value is not finite"):
+        server.sweep("barrett8", {"hand.size": [np.nan]}, [("lemon", "lemon_3")])
+    with pytest.warns(UserWarning, match="90 rad; limits are in rad or m, not degrees"):
+        server.sweep("barrett8", {"thumb_proximal_flex.upper": [1.0, 90.0]}, [("lemon", "lemon_3")], starts=1)

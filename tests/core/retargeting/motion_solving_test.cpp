@@ -176,7 +176,11 @@ TEST(MotionSolving, FollowsTheDocument) {
     EXPECT_NEAR(pose.q[0], 0.1, 1e-9);
 
   document.patches[2].enabled = false;
-  EXPECT_EQ(MotionFits(motion, solved(grasp, motion, document)).at(0).size(), 3u);
+  const std::vector<PatchFrameFit> fits =
+      MotionFits(motion, solved(grasp, motion, document)).at(0);
+  ASSERT_EQ(fits.size(), 3u);
+  EXPECT_EQ(fits[1].presence, 1.0);
+  EXPECT_EQ(fits[2].presence, 0.0) << "told, and nothing that could be missed";
   for (session::DocumentPatch& patch : document.patches)
     patch.enabled = false;
   try {
