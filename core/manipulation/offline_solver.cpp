@@ -51,6 +51,22 @@ const std::vector<Stage> avoiding_stages = {{kClosely, 0.05, 1e-3, 4, kNearlyEno
                                             {kClosely, 1.0, 1.0, 16, kNearlyEnough},
                                             {kFirmly, 1.0, 1.0, 10, kNearlyEnough}};
 
+// Where velocities or accelerations are beyond their limits still: firmer and firmer; and where
+// that is stuck, by a way so smooth that it keeps them, which is let go bit by bit.
+const std::vector<Stage> touching_limited = {
+    {kTouch, 1.0, 10.0, 40}, {kTouch, 1.0, 100.0, 40}, {kTouch, 1.0, 1000.0, 40}};
+const std::vector<Stage> avoiding_limited = {{kFirmly, 1.0, 10.0, 20, kNearlyEnough},
+                                             {kFirmly, 1.0, 100.0, 20, kNearlyEnough},
+                                             {kFirmly, 1.0, 1000.0, 20, kNearlyEnough}};
+const std::vector<Stage> touching_smoothed = {{kTouch, 1000.0, 1.0, 40},
+                                              {kTouch, 100.0, 100.0, 40},
+                                              {kTouch, 10.0, 1000.0, 40},
+                                              {kTouch, 1.0, 1e4, 40}};
+const std::vector<Stage> avoiding_smoothed = {{kFirmly, 1000.0, 1.0, 20, kNearlyEnough},
+                                              {kFirmly, 100.0, 100.0, 20, kNearlyEnough},
+                                              {kFirmly, 10.0, 1000.0, 20, kNearlyEnough},
+                                              {kFirmly, 1.0, 1e4, 30, 1e-4}};
+
 // From an answer that stands already, beside what was edited.
 const std::vector<Stage> touching_again = {{kTouch, 1.0, 1.0, 60}};
 const std::vector<Stage> avoiding_again = {{kClosely, 1.0, 1.0, 12, kNearlyEnough},
@@ -393,6 +409,38 @@ void solveParts(const MotionProblem& problem,
   }
 }
 
+/// How many times its limit a velocity or an acceleration is, at most.
+double limitShare(const MotionProblem& problem, const Trajectory& trajectory) {
+  const Smoothness smoothness = measureSmoothness(problem, trajectory.poses);
+  return std::max(smoothness.velocity_share, smoothness.acceleration_share);
+}
+
+/// What lies beyond a limit costs, and a tight one asks for more than a cost: it is brought
+/// within, as far as that goes; where it does not, that is noted.
+void keepLimits(const MotionProblem& problem,
+                const MotionOptions& options,
+                std::size_t first,
+                std::size_t end,
+                const Progress& progress,
+                Trajectory& trajectory) {
+  const bool touches = problem.avoidance == nullptr;
+  double share = limitShare(problem, trajectory);
+  for (const auto* stages : {touches ? &touching_limited : &avoiding_limited,
+                             touches ? &touching_smoothed : &avoiding_smoothed}) {
+    if (share <= 1.0) return;
+    Trajectory kept = trajectory;
+    solveParts(problem, options, *stages, first, end, progress, kept);
+    const double kept_share = limitShare(problem, kept);
+    if (kept_share >= share) continue;
+    share = kept_share;
+    trajectory = std::move(kept);
+  }
+  constexpr double kWorthNoting = 1.01;
+  if (share > kWorthNoting)
+    trajectory.notes.push_back(fmt::format(
+        "a joint's velocity or acceleration comes to {:.2f} times its limit", share));
+}
+
 }  // namespace
 
 Trajectory solveOffline(const MotionProblem& problem,
@@ -416,6 +464,7 @@ Trajectory solveOffline(const MotionProblem& problem,
   trajectory.objective.assign(trajectory.poses.size(), 0.0);
   solveParts(problem, options, problem.avoidance == nullptr ? touching_stages : avoiding_stages,
              0, problem.time_s.size(), progress, trajectory);
+  keepLimits(problem, options, 0, problem.time_s.size(), progress, trajectory);
   return trajectory;
 }
 
@@ -436,6 +485,8 @@ void solveAgain(const MotionProblem& problem,
   solveParts(problem, options, problem.avoidance == nullptr ? touching_again : avoiding_again,
              static_cast<std::size_t>(first), static_cast<std::size_t>(end), progress,
              trajectory);
+  keepLimits(problem, options, static_cast<std::size_t>(first), static_cast<std::size_t>(end),
+             progress, trajectory);
 }
 
 void stepOn(const MotionProblem& problem,

@@ -247,6 +247,27 @@ TEST(OfflineSolver, KeepsAllLimits) {
   }
 }
 
+// A limit that the way asks for many times over was stuck, and made accelerations worse.
+TEST(OfflineSolver, TightLimitsBringAccelerationsDownAndWhatIsBeyondIsNoted) {
+  Scene scene;
+  MotionProblem problem =
+      reachableMotion(scene.model, smoothPoses(scene.from, scene.to, 60), 120.0, scene.random);
+  MotionOptions options;
+  options.smoothness = 0.1;
+  const double loose =
+      measureSmoothness(problem, solveOffline(problem, options, Progress()).poses)
+          .max_acceleration;
+  double before = loose;
+  for (const double share : {0.5, 0.2, 0.1}) {
+    problem.acceleration_limit.setConstant(share * loose);
+    const Trajectory trajectory = solveOffline(problem, options, Progress());
+    const Smoothness smoothness = measureSmoothness(problem, trajectory.poses);
+    EXPECT_LT(smoothness.max_acceleration, before) << share;
+    EXPECT_EQ(smoothness.acceleration_share > 1.01, !trajectory.notes.empty()) << share;
+    before = smoothness.max_acceleration;
+  }
+}
+
 TEST(OfflineSolver, AnswersTheSameBytesOnOneThreadAndOnTwo) {
   Scene scene;
   const MotionProblem problem = scene.unevenMotion(30);
