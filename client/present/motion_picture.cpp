@@ -97,13 +97,12 @@ std::string tileText(const v1::MotionFrame& frame) {
   double points = 0.0;
   int there = 0;
   int reached = 0;
-  for (const v1::FramePatch& patch : frame.patches()) {
-    if (patch.presence() < v1::PRESENCE_COUNTED) continue;
+  for (const PatchThere& patch : patchesThere(frame)) {
     ++there;
-    reached += patch.reached() ? 1 : 0;
-    points += patch.point_count();
-    mean += patch.point_count() * patch.mean_mm();
-    normal += patch.point_count() * patch.normal_deg();
+    reached += patch.is_reached ? 1 : 0;
+    points += patch.points;
+    mean += patch.points * patch.mean_mm;
+    normal += patch.points * patch.normal_deg;
   }
   if (points == 0.0) return "no contact";
   return fmt::format("{} of {} patches reached, {:.1f} mm, {:.0f} deg, {:.1f} mm deep", reached,

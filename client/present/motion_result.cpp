@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -73,6 +74,28 @@ void requireConsistent(const MotionResult& result) {
   }
 }
 
+std::vector<PatchThere> patchesThere(const v1::MotionFrame& frame) {
+  std::map<std::uint32_t, PatchThere> there;
+  for (const v1::FramePatch& fit : frame.patches()) {
+    if (fit.presence() < v1::PRESENCE_COUNTED) continue;
+    PatchThere& patch = there[fit.patch()];
+    patch.patch = fit.patch();
+    patch.points += fit.point_count();
+    patch.mean_mm += fit.point_count() * fit.mean_mm();
+    patch.normal_deg += fit.point_count() * fit.normal_deg();
+    patch.is_reached = patch.is_reached && fit.reached();
+  }
+  std::vector<PatchThere> patches;
+  for (auto& [index, patch] : there) {
+    if (patch.points > 0.0) {
+      patch.mean_mm /= patch.points;
+      patch.normal_deg /= patch.points;
+    }
+    patches.push_back(patch);
+  }
+  return patches;
+}
+
 std::vector<FrameMeasure> measuresOf(const MotionResult& result) {
   const double nothing = std::numeric_limits<double>::quiet_NaN();
   std::vector<FrameMeasure> measures;
@@ -90,13 +113,12 @@ std::vector<FrameMeasure> measuresOf(const MotionResult& result) {
     double points = 0.0;
     double mean = 0.0;
     double normal = 0.0;
-    for (const v1::FramePatch& patch : frame.patches()) {
-      if (patch.presence() < v1::PRESENCE_COUNTED) continue;
+    for (const PatchThere& patch : patchesThere(frame)) {
       ++measure.patches;
-      measure.reached += patch.reached() ? 1 : 0;
-      points += patch.point_count();
-      mean += patch.point_count() * patch.mean_mm();
-      normal += patch.point_count() * patch.normal_deg();
+      measure.reached += patch.is_reached ? 1 : 0;
+      points += patch.points;
+      mean += patch.points * patch.mean_mm;
+      normal += patch.points * patch.normal_deg;
     }
     measure.mean_mm = points > 0.0 ? mean / points : nothing;
     measure.normal_deg = points > 0.0 ? normal / points : nothing;
@@ -131,17 +153,16 @@ std::vector<PatchOverTime> patchesOf(const MotionResult& result) {
   for (const v1::MotionFrame& frame : result.frames) {
     std::vector<char> is_there(patches.size(), 0);
     std::vector<char> is_reached(patches.size(), 0);
-    for (const v1::FramePatch& fit : frame.patches()) {
-      const std::size_t at = fit.patch();
-      if (fit.presence() < v1::PRESENCE_COUNTED || is_there[at] != 0) continue;
+    for (const PatchThere& fit : patchesThere(frame)) {
+      const std::size_t at = fit.patch;
       PatchOverTime& patch = patches[at];
       is_there[at] = 1;
       addTo(patch.there, was_there[at] != 0, frame.time_s());
       ++patch.frames;
-      patch.mean_mm += fit.mean_mm();
-      patch.normal_deg += fit.normal_deg();
-      patch.worst_mm = std::max(patch.worst_mm, fit.mean_mm());
-      if (!fit.reached()) continue;
+      patch.mean_mm += fit.mean_mm;
+      patch.normal_deg += fit.normal_deg;
+      patch.worst_mm = std::max(patch.worst_mm, fit.mean_mm);
+      if (!fit.is_reached) continue;
       is_reached[at] = 1;
       ++patch.frames_reached;
       addTo(patch.reached, was_reached[at] != 0, frame.time_s());

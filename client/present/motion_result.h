@@ -61,6 +61,19 @@ struct PatchOverTime {
   double normal_deg = 0.0;
 };
 
+/// A patch in a frame in which it counts as there. One that is there several times (a palm's
+/// recorded points) is reached if each of them is.
+struct PatchThere {
+  std::uint32_t patch = 0;
+  double points = 0.0;
+  double mean_mm = 0.0;  ///< over all of its points, likewise the next
+  double normal_deg = 0.0;
+  bool is_reached = true;
+};
+
+/// By rising patch.
+std::vector<PatchThere> patchesThere(const v1::MotionFrame& frame);
+
 /// In the motion's order; those that found no place on the hand have no frames.
 std::vector<PatchOverTime> patchesOf(const MotionResult& result);
 

@@ -13,7 +13,9 @@
 #include "core/base/error.h"
 #include "core/contact/reproject.h"
 #include "core/formats/json_keys.h"
+#include "core/io/demonstration_file.h"
 #include "core/io/indexed_object.h"
+#include "core/io/npz_file.h"
 #include "core/io/object_file.h"
 
 namespace handgraft::io {
@@ -381,6 +383,7 @@ ContactSet readContactSet(const std::filesystem::path& path, const MeshFile& obj
 
 std::string objectNameIn(const std::filesystem::path& path) {
   if (isContactMap(path)) return "";
+  if (isNpz(readFileBytes(path))) return objectOfNpz(path);  // a demonstration
   return namingFile(path, [&]() -> std::string {
     const json root = json::parse(textOf(path));
     if (!root.is_object() || !root.contains("object")) return "";

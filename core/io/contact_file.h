@@ -30,8 +30,9 @@ void writeContactSet(const std::filesystem::path& path,
                      const contact::ContactSet& set,
                      const MeshFile& object);
 
-/// The object that a contact set names; empty for a contact map, or where the file does not
-/// say. Errors: InvalidInput naming the file if it is no JSON.
+/// The object that a contact set, a motion or a demonstration (`.npz`, too) names; empty for a
+/// contact map, or where the file does not say. Errors: InvalidInput naming the file if it is
+/// none of these.
 std::string objectNameIn(const std::filesystem::path& path);
 
 /// Either of the two, by what the file is: a map (a PLY, or a mesh with a picture) is

@@ -148,14 +148,4 @@ std::optional<HandTrajectoryPlan> readHandTrajectoryPlan(const std::filesystem::
   return plan;
 }
 
-std::string objectOfMotion(const std::filesystem::path& path) {
-  if (isNpz(readFileBytes(path))) return objectOfNpz(path);
-  const json root = rootOf(path);
-  try {
-    return textIn(root, "object");
-  } catch (const InvalidInput& error) {
-    rejectInput("{}: {}", quoted(path.string()), error.what());
-  }
-}
-
 }  // namespace handgraft::io

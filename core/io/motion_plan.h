@@ -38,7 +38,4 @@ struct HandTrajectoryPlan {
 std::optional<HandTrajectoryPlan> readHandTrajectoryPlan(const std::filesystem::path& path,
                                                          const FileOf& file_of);
 
-/// The object that such a file names; empty where it does not say.
-std::string objectOfMotion(const std::filesystem::path& path);
-
 }  // namespace handgraft::io

@@ -42,21 +42,27 @@ struct PatchCounts {
   int reached = 0;
 };
 
-/// Adds what a frame's patches come to: sums over points, until they are averaged.
+/// Adds what a frame's patches come to: sums over points, until they are averaged. Of a patch
+/// that is there several times (a palm's recorded points) each has to be reached.
 PatchCounts addFrame(const std::vector<retargeting::PatchFrameFit>& fits, SweepRow& row) {
-  PatchCounts counts;
+  std::map<int, bool> is_reached;  // of the patches that are there
   for (const retargeting::PatchFrameFit& fit : fits) {
     if (fit.presence < kHalfThere) continue;
     SweepPatch& patch = row.patches[static_cast<std::size_t>(fit.patch)];
-    ++counts.there;
-    ++patch.frames;
     patch.point_count += fit.points;
     patch.mean_mm += fit.points * fit.mean_mm;
     patch.normal_deg += fit.points * fit.normal_deg;
     patch.max_mm = std::max(patch.max_mm, fit.mean_mm);
-    if (!fit.reached) continue;
-    ++counts.reached;
-    ++patch.reached;
+    bool& reached = is_reached.try_emplace(fit.patch, true).first->second;
+    reached = reached && fit.reached;
+  }
+  PatchCounts counts;
+  for (const auto& [index, reached] : is_reached) {
+    SweepPatch& patch = row.patches[static_cast<std::size_t>(index)];
+    ++counts.there;
+    ++patch.frames;
+    counts.reached += reached ? 1 : 0;
+    patch.reached += reached ? 1 : 0;
   }
   return counts;
 }

@@ -55,12 +55,18 @@ class Motion:
         self.self_depth_m: np.ndarray = np.array([frame["self_depth_m"] for frame in frames])  #: T, in itself
         self.patches: dict[str, PatchOverTime] = {name: PatchOverTime(name, len(frames)) for name in patch_names}
         for k, frame in enumerate(frames):
+            # A patch may be there several times (a palm's recorded points): then each has to be reached.
+            fits: dict[int, list[Mapping[str, Any]]] = {}
             for fit in frame["patches"]:
-                patch = self.patches[patch_names[fit["patch"]]]
-                patch.presence[k] = fit["presence"]
-                patch.mean_mm[k] = fit["mean_mm"]
-                patch.normal_deg[k] = fit["normal_deg"]
-                patch.reached[k] = fit["reached"]
+                fits.setdefault(fit["patch"], []).append(fit)
+            for index, told in fits.items():
+                counted = [fit for fit in told if fit["presence"] >= COUNTED] or told
+                points = sum(fit["point_count"] for fit in counted)
+                patch = self.patches[patch_names[index]]
+                patch.presence[k] = max(fit["presence"] for fit in told)
+                patch.mean_mm[k] = sum(fit["point_count"] * fit["mean_mm"] for fit in counted) / points
+                patch.normal_deg[k] = sum(fit["point_count"] * fit["normal_deg"] for fit in counted) / points
+                patch.reached[k] = all(fit["reached"] for fit in counted)
 
     @property
     def touches(self) -> np.ndarray:

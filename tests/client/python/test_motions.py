@@ -119,6 +119,21 @@ def test_a_motion_file_is_loaded(server, pull, tmp_path):
         server.load_motion(path, name="broken")
 
 
+def test_a_demonstration_of_numpy_names_its_object(server, tmp_path):
+    t = np.linspace(0, 0.5, 16)
+    places = np.zeros((16, 21, 3))
+    for finger in range(5):  # straight fingers beside each other, which lie on the box's side
+        places[:, 1 + 4 * finger: 5 + 4 * finger, 0] = 0.09 + 0.025 * np.arange(4)
+        places[:, 1 + 4 * finger: 5 + 4 * finger, 1] = 0.02 * (finger - 2)
+    box = server.describe("object", "box", meshes=True)["mesh_O"]["vertices_m"].reshape(-1, 3)
+    places[:, :, 2] = box[:, 2].max() + 0.01
+    places[:, :, 0] -= 0.12
+    pose = np.tile([0, 0, 0, 1, 0, 0, 0.0], (16, 1))
+    np.savez(tmp_path / "demo.npz", joints_W_m=places, time_s=t, object_pose=pose, object="box")
+    name = server.load_motion(tmp_path / "demo.npz")
+    assert server.describe("motion", name)["object"] == "box"
+
+
 def test_contacts_or_a_motion_have_to_be_given(server, pull):
     for given in ({}, {"contacts": "box_5", "motion": pull}):
         with pytest.raises(handgraft.InvalidInput, match="one of them"):
@@ -240,7 +255,12 @@ def test_an_exported_motion_is_read_back_with_its_hand(server, followed, tmp_pat
 def test_frames_alone_make_a_motion():
     frame = {"time_s": 0.0, "joint_positions": np.array([0.5]), "X_WH": {"p_m": [0, 0, 0], "q_wxyz": [1, 0, 0, 0]},
              "X_WO": {"p_m": [0, 0, 1], "q_wxyz": [1, 0, 0, 0]}, "max_depth_m": 0.001, "self_depth_m": 0.0}
-    fit = {"presence": 1.0, "mean_mm": 2.0, "normal_deg": 10.0}
+    fit = {"presence": 1.0, "mean_mm": 2.0, "normal_deg": 10.0, "point_count": 1}
+    twice = Motion([{**frame, "patches": [{**fit, "patch": 0, "reached": True},
+                                          {**fit, "patch": 0, "point_count": 3, "mean_mm": 6.0, "reached": False}]}],
+                   ["bend"], ["palm"])
+    assert not twice.reached[0] and twice.touches[0]
+    assert twice.patches["palm"].mean_mm[0] == pytest.approx(5.0)
     motion = Motion([{**frame, "patches": [{**fit, "patch": 0, "reached": True}]},
                      {**frame, "patches": [{**fit, "patch": 0, "reached": True}, {**fit, "patch": 1, "reached": False}]},
                      {**frame, "patches": [{**fit, "patch": 1, "presence": 0.2, "reached": False}]}],

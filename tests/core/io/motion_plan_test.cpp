@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "core/io/contact_file.h"
 #include "core/io/motion_file.h"
 #include "core/io/npz_file.h"
 
@@ -199,7 +200,7 @@ TEST_F(MotionPlan, AManoSequenceMayBeNumPys) {
   EXPECT_EQ(motion.frameCount(), 3);
   EXPECT_NEAR(motion.time_s[2], 0.2, 1e-12);
   EXPECT_GE(motion.tracks.size(), 3u);
-  EXPECT_EQ(objectOfMotion(path), "");
+  EXPECT_EQ(objectNameIn(path), "");
 
   const auto objection = [&](const std::string& text) -> std::string {
     try {
