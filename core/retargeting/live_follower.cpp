@@ -14,6 +14,10 @@ namespace handgraft::retargeting {
 namespace {
 
 constexpr double kLivePause = 0.25;  // s
+// Faster than that, beside the wrist, no joint of a hand goes; noise comes on top.
+constexpr double kFastestJoint = 2.5;  // m/s
+constexpr double kJointNoise = 0.005;  // m
+constexpr int kMostJumps = 2;          // in a row; then it is where the hand is
 constexpr int kLiveStarts = 16;
 // Of places kept for later frames.
 constexpr double kAngleStep = std::numbers::pi / 36.0;  // rad
@@ -102,7 +106,25 @@ void LiveFollower::requireLater(double time_s) const {
 std::optional<LiveFollower::Answer> LiveFollower::follow(
     const manipulation::DemonstratedFrame& frame, const Progress& progress) {
   requireLater(frame.time_s);
-  return follow(frame.time_s, frame.X_WO, tracker_.see(frame), progress);
+  if (jumps(frame)) {
+    ++jumped_;
+    return follow(frame.time_s, frame.X_WO, steady_touches_, progress);
+  }
+  steady_touches_ = tracker_.see(frame);
+  steady_ = frame;
+  jumped_ = 0;
+  return follow(frame.time_s, frame.X_WO, steady_touches_, progress);
+}
+
+bool LiveFollower::jumps(const manipulation::DemonstratedFrame& frame) const {
+  // What is not finite is for the tracker to refuse.
+  if (!steady_ || jumped_ >= kMostJumps || !frame.joints_W.allFinite()) return false;
+  const double step_s = frame.time_s - steady_->time_s;
+  if (step_s <= 0.0 || step_s > kLivePause) return false;
+  const hand::JointPlaces now = frame.joints_W.colwise() - frame.joints_W.col(0);
+  const hand::JointPlaces before = steady_->joints_W.colwise() - steady_->joints_W.col(0);
+  const double farthest = (now - before).colwise().norm().maxCoeff();
+  return farthest > kFastestJoint * step_s + kJointNoise;
 }
 
 std::optional<LiveFollower::Answer> LiveFollower::follow(

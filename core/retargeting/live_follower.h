@@ -21,7 +21,8 @@ namespace handgraft::retargeting {
 ///
 /// It begins with the first frame that touches with three parts: the best pose of that frame
 /// alone, from many starts. After a pause of 0.25 s, or where time has run backwards by as
-/// much, it goes on from where the hand is, at rest.
+/// much, it goes on from where the hand is, at rest. One frame or two in which a joint jumps as
+/// no finger moves are passed over: what touched before them touches still.
 /// Deterministic. Cost: some tenths of a millisecond a frame, tens of milliseconds once.
 class LiveFollower {
  public:
@@ -75,6 +76,7 @@ class LiveFollower {
   };
 
   void requireLater(double time_s) const;
+  [[nodiscard]] bool jumps(const manipulation::DemonstratedFrame& frame) const;
   std::vector<optimize::PointPair> pairsOf(const manipulation::DetectedContact& touch);
   std::optional<hand::LinkPoint> spotOf(const manipulation::DetectedContact& touch);
   [[nodiscard]] optimize::PoseProblem problemNow() const;
@@ -88,6 +90,10 @@ class LiveFollower {
   manipulation::CausalSolver solver_;
   std::vector<PartPair> parts_;
   std::map<PlaceKey, std::optional<hand::LinkPoint>> spots_;
+  /// The last frame that did not jump, and how many have since.
+  std::optional<manipulation::DemonstratedFrame> steady_;
+  std::vector<manipulation::DetectedContact> steady_touches_;
+  int jumped_ = 0;
   int touches_ = 0;
   std::optional<double> last_s_;
   std::optional<hand::HandPose> last_O_;  // once it has begun

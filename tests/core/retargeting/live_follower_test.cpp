@@ -88,6 +88,37 @@ TEST_F(LiveFollowing, GoesOnAfterAPauseAndWhenTimeBeginsAnew) {
   }
 }
 
+TEST_F(LiveFollowing, AFrameThatJumpsIsPassedOver) {
+  const auto steady = this->follower();
+  const auto jumping = this->follower();
+  for (int k = 0; k < 40; ++k) {
+    const DemonstratedFrame frame = grip(k / 60.0, 0.8);
+    DemonstratedFrame glitch = frame;
+    if (k == 15) glitch.joints_W.col(8) += Eigen::Vector3d(0.0, 0.08, 0.0);  // an index's tip
+    if (k == 25 || k == 26) glitch.joints_W = -frame.joints_W;
+    const auto there = steady->follow(frame, Progress());
+    const auto answer = jumping->follow(glitch, Progress());
+    ASSERT_EQ(answer.has_value(), there.has_value());
+    if (answer) {
+      EXPECT_EQ(answer->pose.q, there->pose.q) << k;
+    }
+  }
+}
+
+TEST_F(LiveFollowing, WhatStaysSoIsNoGlitch) {
+  const auto follower = this->follower();
+  for (int k = 0; k < 20; ++k)
+    (void)follower->follow(grip(k / 60.0, 0.8), Progress());
+  const int before = follower->touches();
+  ASSERT_GT(before, 0);
+  for (int k = 20; k < 24; ++k) {
+    DemonstratedFrame other = grip(k / 60.0, 0.8);
+    other.joints_W = (-other.joints_W).eval();  // far from the ball, all of it
+    (void)follower->follow(other, Progress());
+    EXPECT_EQ(follower->touches() == before, k < 22) << k;
+  }
+}
+
 // Told by its own joints, a hand that closes about the ball is where it is shown.
 TEST_F(LiveFollowing, AHandThatIsShownToItselfIsThere) {
   const hand::Hand hand = grasp.hand();
