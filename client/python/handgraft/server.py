@@ -13,7 +13,7 @@ from typing import Any, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from . import _handgraft
+from . import _handgraft, motion_plans
 from .errors import Error, InvalidInput, Refused
 from .poses import Pose, message_of
 from .session import Session
@@ -21,7 +21,6 @@ from .studies import Sweep, property_of
 from .view import web_folder
 
 _KINDS = ("hand", "object", "contacts", "motion")
-_TIMING = ("rate_hz", "slide_begin_share", "slide_end_share", "vanish_share", "appear_share")
 
 
 @contextlib.contextmanager
@@ -34,18 +33,7 @@ def _units_as_arguments() -> Iterator[None]:
         raise
 
 
-def _object_named_in(text: str) -> list[str]:
-    """The object that a set of contacts says that it lies on, if it does."""
-    try:
-        said = json.loads(text).get("object")
-    except (ValueError, AttributeError):
-        return []  # the server says what is wrong with the file
-    return [said] if isinstance(said, str) and said else []
-
-
 def _is_path(model: Any, option: str) -> bool:
-    if isinstance(model, os.PathLike):
-        return True
     if isinstance(model, os.PathLike):
         return True
     if not isinstance(model, str):
@@ -131,18 +119,14 @@ class Server:
         object = self.load_object(object) if object and _is_path(object, "object") else object
         if object_path is None and not hand:
             return self._client.load_motion(os.fspath(path), object, name)["name"]
+        if object_path is not None and hand:
+            raise TypeError("object_path is of a recording, hand of what a hand did: one of them alone")
         name = name or pathlib.Path(path).stem
-        plan = {"format": "handgraft-motion-plan/1", "name": name}
-        if hand:
-            hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
-            did = "did" + pathlib.Path(path).suffix
-            plan |= {"hand": hand, "hand_trajectory": did}
-            texts = {did: pathlib.Path(path).read_text()}
-            object = object or next(iter(_object_named_in(texts[did])), "")
-            return self._client.load_planned_motion(name, object, json.dumps(plan), texts)["name"]
-        plan |= {"recording": "recording.json", "object_path": "object.smexp"}
-        texts = {"recording.json": pathlib.Path(path).read_text(), "object.smexp": pathlib.Path(object_path).read_text()}
-        return self._client.load_planned_motion(name, object, json.dumps(plan), texts)["name"]
+        if not hand:
+            return self._load_made(name, object, motion_plans.of_recording(name, path, object_path))
+        hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
+        parts = motion_plans.of_trajectory(name, hand, path)
+        return self._load_made(name, object or motion_plans.object_named_in(next(iter(parts[1].values()))), parts)
 
     def join_grasps(self, first: str | os.PathLike[str], last: str | os.PathLike[str], time_s: Sequence[float],
                     X_WO: Sequence[np.ndarray], name: str, *, object: str = "", **timing: float) -> str:
@@ -153,30 +137,21 @@ class Server:
         ``rate_hz``, ``slide_begin_share``, ``slide_end_share``, ``vanish_share``, ``appear_share``
         (handgraft-motion-plan/1, core/io/FORMATS.md).
         """
-        if len(time_s) != len(X_WO):
-            raise InvalidInput(f"the object's path has {len(time_s)} times and {len(X_WO)} poses")
-        lines = ["time_s,x,y,z,qw,qx,qy,qz"]
-        for at, pose in zip(time_s, map(message_of, X_WO)):
-            lines.append(",".join(repr(float(value)) for value in (at, *pose["p_m"], *pose["q_wxyz"])))
-        if strange := sorted(set(timing) - set(_TIMING)):
-            raise TypeError(f"join_grasps has no {strange[0]!r}; there are {', '.join(_TIMING)}")
-        plan = {"format": "handgraft-motion-plan/1", "name": name, "first": "first.json", "last": "last.json",
-                "path": "path.csv", **{key: float(value) for key, value in timing.items()}}
-        texts = {"path.csv": "\n".join(lines) + "\n"}
+        sets: list[str] = []
         under: list[str] = []
-        for uri, contacts in (("first.json", first), ("last.json", last)):
-            if _is_path(contacts, uri[:-5]):
-                texts[uri] = pathlib.Path(contacts).read_text()
-                under += _object_named_in(texts[uri])
-                continue
-            described = self.describe("contacts", os.fspath(contacts))
-            texts[uri] = described["file"]
-            under.append(described["object"])
-        if len(set(under)) > 1 and not object:
+        for option, contacts in (("first", first), ("last", last)):
+            if _is_path(contacts, option):
+                sets.append(pathlib.Path(contacts).read_text())
+                under.append(motion_plans.object_named_in(sets[-1]))
+            else:
+                described = self.describe("contacts", os.fspath(contacts))
+                sets.append(described["file"])
+                under.append(described["object"])
+        if not object and all(under) and under[0] != under[1]:
             raise InvalidInput(f"contacts {first!r} lie on object {under[0]!r} and {last!r} on {under[1]!r}: a motion is "
                                "of one object")
-        object = object or (under[0] if under else "")
-        return self._client.load_planned_motion(name, object, json.dumps(plan), texts)["name"]
+        return self._load_made(name, object or under[0] or under[1],
+                               motion_plans.of_grasps(name, *sets, time_s, X_WO, timing))
 
     def motion_of_hand(self, hand: str | os.PathLike[str], object: str | os.PathLike[str], time_s: Sequence[float],
                        joints: np.ndarray, name: str, *, joint_names: Sequence[str] | None = None,
@@ -190,27 +165,9 @@ class Server:
         """
         hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
         object = self.load_object(object) if _is_path(object, "object") else object
-        if len(time_s) != len(joints):
-            raise InvalidInput(f"joints: {len(joints)} rows for {len(time_s)} times")
-        wrong = np.argwhere(~np.isfinite(np.asarray(joints, dtype=float)))
-        if len(wrong) > 0 or not np.all(np.isfinite(time_s)):
-            raise InvalidInput(f"joints: frame {wrong[0][0]}, joint {wrong[0][1]} is not finite" if len(wrong) > 0
-                               else "time_s: a time is not finite")
         names = list(joint_names) if joint_names is not None else self._joints_of(hand)
-        frames: list[dict[str, Any]] = [{"time_s": float(at), "joints": np.asarray(row, dtype=float).tolist()}
-                                        for at, row in zip(time_s, joints)]
-        for key, poses in (("X_WH", X_WH), ("X_WO", X_WO)):
-            if poses is None:
-                continue
-            if len(poses) != len(frames):
-                raise InvalidInput(f"{key}: {len(poses)} poses for {len(frames)} frames")
-            for frame, pose in zip(frames, map(message_of, poses)):
-                frame[key] = {entry: np.asarray(values).tolist() for entry, values in pose.items()}
-        plan = {"format": "handgraft-motion-plan/1", "name": name, "hand": hand, "hand_trajectory": "did.json"}
-        plan |= {key: float(value) for key, value in (("reach_m", reach_m), ("every_s", every_s)) if value is not None}
-        did = {"format": "handgraft-trajectory/1", "hand": hand, "object": object, "joint_names": names,
-               "frames": frames}
-        return self._client.load_planned_motion(name, object, json.dumps(plan), {"did.json": json.dumps(did)})["name"]
+        parts = motion_plans.of_hand(name, hand, names, time_s, joints, X_WH, X_WO, reach_m=reach_m, every_s=every_s)
+        return self._load_made(name, object, parts)
 
     def contacts_of_pose(self, hand: str | os.PathLike[str], object: str | os.PathLike[str],
                          joints: Mapping[str, float] | Sequence[float] | None = None, *, X_WH: np.ndarray | None = None,
@@ -218,8 +175,8 @@ class Server:
         """Where a posed hand touches an object, as a set of contacts; returns its name.
 
         ``joints``: positions, rad or m, by name, of those that differ from the hand's named ``pose``, by default its
-        rest pose; or of all, in its order.
-        ``X_WH``, ``X_WO``: the hand's root and the object in the world. ``reach``: m, at which contact ends; 0: 0.01.
+        rest pose; or of all, in its order. ``X_WH``, ``X_WO``: the hand's root and the object in the world.
+        ``reach``: m, at which contact ends; 0: 0.01.
         """
         hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
         object = self.load_object(object) if _is_path(object, "object") else object
@@ -244,6 +201,10 @@ class Server:
 
     def _joints_of(self, hand: str) -> list[str]:
         return [joint["name"] for joint in self.describe("hand", hand)["joints"]]
+
+    def _load_made(self, name: str, object: str, parts: motion_plans.Parts) -> str:
+        plan, texts = parts
+        return self._client.load_planned_motion(name, object, json.dumps(plan), texts)["name"]
 
     def _made(self, member: str, request: dict[str, Any], kind: str = "") -> str:
         """The name of a model that the server makes."""
