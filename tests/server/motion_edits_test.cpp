@@ -100,6 +100,55 @@ class MotionEditTest : public MotionTest {
   std::uint64_t edits = 0;
 };
 
+// The grasp that stands for a motion, which nobody has solved, is all zeros: who follows the
+// session on motors must not be sent there.
+TEST_F(MotionEditTest, AreAnsweredByFramesAndByNoPose) {
+  ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
+  v1::PatchWeightEdit weight;
+  weight.patch("thumb");
+  weight.weight(2.0);
+  v1::EditBody body;
+  body.patch_weight(weight);
+  const v1::EditReply reply = edit(body);
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  ASSERT_TRUE(bus.await<v1::MotionFrames>(bus.frames, [&](const v1::MotionFrames& some) {
+    return some.is_last() && some.revision() == reply.revision();
+  }));
+  EXPECT_EQ(bus.count(bus.solutions), 0u);
+  EXPECT_EQ(bus.count(bus.commands), 0u);
+}
+
+// Half way between the least and the most of what it does.
+TEST_F(MotionEditTest, ALockHoldsAJointInTheMiddleOfItsMotion) {
+  ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
+  double least = 1e9;
+  double most = -1e9;
+  for (const v1::MotionFrame& frame : framesNow()) {
+    least = std::min(least, frame.joint_positions()[0]);
+    most = std::max(most, frame.joint_positions()[0]);
+  }
+  v1::JointLockEdit lock;
+  lock.joint("hinge");
+  lock.locked(true);
+  v1::EditBody body;
+  body.joint_lock(lock);
+  const v1::EditReply reply = edit(body);
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  ASSERT_TRUE(bus.await<v1::MotionFrames>(bus.frames, [&](const v1::MotionFrames& some) {
+    return some.is_last() && some.revision() == reply.revision();
+  }));
+  for (const v1::MotionFrame& frame : framesNow())
+    EXPECT_NEAR(frame.joint_positions()[0], 0.5 * (least + most), 1e-9);
+}
+
+TEST_F(MotionEditTest, OfItsObjectsPlaceAreRefused) {
+  v1::EditBody body;
+  v1::Pose X;
+  X.q_wxyz({1.0, 0.0, 0.0, 0.0});
+  body.X_WO(X);
+  EXPECT_THAT(edit(body).message(), HasSubstr("goes the way that motion 'long' tells"));
+}
+
 TEST_F(MotionEditTest, ChangesTheFramesAboutItAndUndoesThemToTheByte) {
   ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
   const std::vector<v1::MotionFrame> before = framesNow();
