@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
+#include <string>
+#include <tuple>
 #include <utility>
 
 #include "core/base/error.h"
