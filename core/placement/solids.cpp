@@ -68,6 +68,16 @@ quality::Penetration penetrationOf(
                                      *solidOf(object_O, progress), X_WO, pose, sides, progress);
 }
 
+double deepestOf(const std::shared_ptr<const hand::HandModel>& model,
+                 const std::shared_ptr<const hand::Skin>& skin,
+                 const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+                 const hand::HandPose& X_OH,
+                 const Progress& progress,
+                 const std::vector<quality::ContactSide>& sides) {
+  return quality::measureDepth(*model, *solidOf(model, skin, progress),
+                               *solidOf(object_O, progress), X_OH, progress, sides);
+}
+
 quality::Depths depthsOf(const std::shared_ptr<const hand::HandModel>& model,
                          const std::shared_ptr<const hand::Skin>& skin,
                          const std::shared_ptr<const geometry::TriangleMesh>& object_O,

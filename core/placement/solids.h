@@ -50,6 +50,14 @@ quality::Penetration penetrationOf(
     const std::vector<quality::ContactSide>& sides,
     const Progress& progress);
 
+/// How deep a pose in O lies inside the object, and no more.
+double deepestOf(const std::shared_ptr<const hand::HandModel>& model,
+                 const std::shared_ptr<const hand::Skin>& skin,
+                 const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+                 const hand::HandPose& X_OH,
+                 const Progress& progress,
+                 const std::vector<quality::ContactSide>& sides = {});
+
 /// How deep a pose in O lies inside the object and in itself, and no more.
 quality::Depths depthsOf(const std::shared_ptr<const hand::HandModel>& model,
                          const std::shared_ptr<const hand::Skin>& skin,

@@ -166,6 +166,36 @@ Depths deeperOf(const Depths& a, const Depths& b) {
   return {std::max(a.object_m, b.object_m), std::max(a.self_m, b.self_m)};
 }
 
+namespace {
+
+double depthOfLinks(const hand::HandSolid& hand,
+                    const geometry::Solid& object_O,
+                    const hand::LinkPoses& X_OL,
+                    const Progress& progress,
+                    const std::vector<ContactSide>& sides) {
+  Inside inside;
+  double deepest = 0.0;
+  for (const LinkSolid& solid : hand.links()) {
+    const Pose& X = X_OL[static_cast<std::size_t>(solid.link)];
+    if (object_O.grid().isClear(X * solid.centre_L, solid.radius)) continue;
+    deepest = std::max(deepest, depthIn(solid, object_O, X, sides, inside, progress));
+  }
+  return deepest;
+}
+
+}  // namespace
+
+double measureDepth(const hand::HandModel& model,
+                    const hand::HandSolid& hand,
+                    const geometry::Solid& object_O,
+                    const hand::HandPose& X_OH,
+                    const Progress& progress,
+                    const std::vector<ContactSide>& sides) {
+  hand::LinkPoses X_OL;
+  hand::forwardKinematics(model, X_OH.X_WH, X_OH.q, X_OL);
+  return depthOfLinks(hand, object_O, X_OL, progress, sides);
+}
+
 Depths measureDepths(const hand::HandModel& model,
                      const hand::HandSolid& hand,
                      const geometry::Solid& object_O,
@@ -174,16 +204,8 @@ Depths measureDepths(const hand::HandModel& model,
                      const std::vector<ContactSide>& sides) {
   hand::LinkPoses X_OL;
   hand::forwardKinematics(model, X_OH.X_WH, X_OH.q, X_OL);
-  Inside inside;
-  Depths deepest;
-  for (const LinkSolid& solid : hand.links()) {
-    const Pose& X = X_OL[static_cast<std::size_t>(solid.link)];
-    if (object_O.grid().isClear(X * solid.centre_L, solid.radius)) continue;
-    deepest.object_m =
-        std::max(deepest.object_m, depthIn(solid, object_O, X, sides, inside, progress));
-  }
-  deepest.self_m = measureItself(hand, X_OL).depth_m;
-  return deepest;
+  return {depthOfLinks(hand, object_O, X_OL, progress, sides),
+          measureItself(hand, X_OL).depth_m};
 }
 
 }  // namespace handgraft::quality

@@ -59,6 +59,14 @@ struct Depths {
 /// The deeper of both, each for itself: over many poses.
 Depths deeperOf(const Depths& a, const Depths& b);
 
+/// `max_depth_m` of a pose in O for less still, where a search asks again and again.
+double measureDepth(const hand::HandModel& model,
+                    const hand::HandSolid& hand,
+                    const geometry::Solid& object_O,
+                    const hand::HandPose& X_OH,
+                    const Progress& progress,
+                    const std::vector<ContactSide>& sides = {});
+
 /// `max_depth_m` and `self_depth_m` of a pose in O for less: neither volumes nor objects within
 /// a link.
 Depths measureDepths(const hand::HandModel& model,

@@ -300,9 +300,8 @@ double DerivedState::depthOf(const SolveReport& report,
                              const Progress& progress) const {
   hand::HandPose pose_O = report.pose;
   pose_O.X_WH = inverse(document_.X_WO) * report.pose.X_WH;
-  return placement::depthsOf(models_.hand->model, models_.hand->skin, models_.object_O, pose_O,
-                             progress, contactSides(patches))
-      .object_m;
+  return placement::deepestOf(models_.hand->model, models_.hand->skin, models_.object_O, pose_O,
+                              progress, contactSides(patches));
 }
 
 bool DerivedState::takeBetter(const Worth& of_other,

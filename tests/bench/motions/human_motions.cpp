@@ -201,8 +201,7 @@ void printRow(const HumanSequence& sequence,
   int past = 0;
   for (const hand::HandPose& pose : poses) {
     const double depth =
-        placement::depthsOf(hand.model, hand.skin, sequence.object_O, pose, Progress())
-            .object_m;
+        placement::deepestOf(hand.model, hand.skin, sequence.object_O, pose, Progress());
     deepest = std::max(deepest, depth);
     past += depth > 2e-3 ? 1 : 0;
   }
