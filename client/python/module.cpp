@@ -2,26 +2,24 @@
 /// (handgraft/__init__.py) makes numpy arrays and names of it.
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <deque>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <variant>
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include "client/gateway/gateway.h"
 #include "client/gateway/page_file.h"
 #include "client/link/client.h"
 #include "client/link/demonstration.h"
 #include "client/link/model_files.h"
 #include "client/link/session.h"
+#include "client/python/page.h"
 #include "client/python/python_message.h"
 #include "core/base/error.h"
 
@@ -209,51 +207,6 @@ void defineErrors() {
     }
   });
 }
-
-/// The page of a server's sessions, served on this machine alone for as long as this lives.
-class Page {
- public:
-  Page(std::shared_ptr<client::Client> server, const std::string& folder)
-      : server_(std::move(server)),
-        gateway_(*server_, web_, client::gateway::readWebFiles(folder)),
-        address_(client::gateway::addressOf(web_, gateway_.port())),
-        thread_([this] {
-          tend();
-        }) {}
-
-  ~Page() {
-    ending_ = true;
-    try {
-      const py::gil_scoped_release released;  // the thread may be about to tell something
-      thread_.join();
-    } catch (...) {  // there is no thread to wait for
-    }
-  }
-
-  Page(const Page&) = delete;
-  Page& operator=(const Page&) = delete;
-
-  [[nodiscard]] const std::string& address() const { return address_; }
-
- private:
-  void tend() {
-    while (!ending_) {
-      try {
-        gateway_.tend();
-      } catch (const std::exception&) {
-        // Pages are told; the next time, perhaps.
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
-  }
-
-  const client::gateway::WebOptions web_;
-  const std::shared_ptr<client::Client> server_;
-  client::gateway::Gateway gateway_;
-  const std::string address_;
-  std::atomic<bool> ending_ = false;
-  std::thread thread_;  ///< last: it uses the others
-};
 
 using client::Client;
 using ClientClass = py::class_<Client, std::shared_ptr<Client>>;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -99,17 +100,16 @@ Following& followingOf(LiveSession& live, const std::shared_ptr<const StoredHand
   Following& following = live.following;
   if (following.follower && following.revision == session.revision() && following.hand == hand)
     return following;
-  if (following.hand != hand || following.revision != session.revision())
-    following.tracker = nullptr;
-  if (hand != nullptr && following.tracker == nullptr) {
-    following.tracker = std::make_shared<demonstration::PosedHandTracker>(
+  Following fresh;  // all of it or nothing: making it may fail
+  if (hand != nullptr) {
+    fresh.tracker = std::make_shared<demonstration::PosedHandTracker>(
         hand->hand->get(live.solves()), session.sharedObject(), live.solves());
   }
-  following.follower = std::make_shared<retargeting::LiveFollower>(
+  fresh.follower = std::make_shared<retargeting::LiveFollower>(
       session.document(), session.hand(), session.sharedObject(), live.solves());
-  following.revision = session.revision();
-  following.hand = hand;
-  return following;
+  fresh.revision = session.revision();
+  fresh.hand = hand;
+  return following = std::move(fresh);
 }
 
 std::optional<retargeting::LiveFollower::Answer> answerTo(LiveSession& live,

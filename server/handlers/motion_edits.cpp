@@ -64,8 +64,7 @@ void requireOutline(const LiveMotion& motion, const session::Edit& edit) {
     if (track.name != *patch || !manipulation::isRecorded(track.keys.front())) continue;
     rejectInput(
         "patch {}: a recorded point has no outline on the hand; its root there cannot be "
-        "moved, "
-        "nor its direction turned",
+        "moved, nor its direction turned",
         handgraft::quoted(*patch));
   }
 }
@@ -90,8 +89,7 @@ session::Edit wholeEdit(LiveSession& live, session::Edit edit) {
   requireOutline(*motion, edit);
   auto* lock = std::get_if<session::JointLockEdit>(&edit);
   if (lock == nullptr || !lock->locked || motion->solved == nullptr) return edit;
-  const int dof = live.session().hand().model->dofIndex(lock->joint);
-  if (dof >= 0) lock->value = middleOf(*motion->solved, dof);
+  lock->value = middleOf(*motion->solved, live.session().hand().model->dofIndex(lock->joint));
   return edit;
 }
 
