@@ -208,6 +208,14 @@ void defineErrors() {
   });
 }
 
+/// Page's thread is waited for.
+struct WithoutGil {
+  void operator()(Page* page) const {
+    const py::gil_scoped_release released;
+    delete page;
+  }
+};
+
 using client::Client;
 using ClientClass = py::class_<Client, std::shared_ptr<Client>>;
 
@@ -337,7 +345,7 @@ void defineServer(py::module_& module) {
           "session_id"_a, "folder"_a);
   defineModels(type);
   defineSessions(type);
-  py::class_<Page>(module, "Page")
+  py::class_<Page, std::unique_ptr<Page, WithoutGil>>(module, "Page")
       .def(py::init<std::shared_ptr<Client>, const std::string&>(), "server"_a, "folder"_a)
       .def_property_readonly("address", &Page::address);
 }

@@ -7,14 +7,13 @@
 #include <thread>
 #include <utility>
 
-#include <pybind11/pybind11.h>
-
 #include "client/gateway/gateway.h"
 #include "client/link/client.h"
 
 namespace handgraft::python {
 
-/// The page of a server's sessions, served on this machine alone for as long as this lives.
+/// The page of a server's sessions, served on this machine alone for as long as this lives. Its
+/// thread may want the GIL: whoever destroys it must not hold that.
 class Page {
  public:
   Page(std::shared_ptr<client::Client> server, const std::string& folder)
@@ -28,7 +27,6 @@ class Page {
   ~Page() {
     ending_ = true;
     try {
-      const pybind11::gil_scoped_release released;  // the thread may be about to tell something
       thread_.join();
     } catch (...) {  // there is no thread to wait for
     }
