@@ -5,8 +5,9 @@
 #include <cmath>
 #include <map>
 #include <string>
-#include <tuple>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "core/base/error.h"
 #include "core/hand/finger_coordinates.h"
@@ -41,24 +42,16 @@ int palmPartOf(const hand::HandLocation& place) {
   return static_cast<int>(nearest - kPalmSpots.begin());
 }
 
-/// Numbers for what a hand's samples are parted by.
-class PartNumbers {
- public:
-  int of(const hand::HandLocation& place) {
-    const bool is_palm = place.digit == hand::kPalmPart;
-    const int which = is_palm ? palmPartOf(place) : isTip(place) ? 1 : 0;
-    return numbers_.try_emplace({place.digit, place.segment, which}, count()).first->second;
-  }
+bool isTip(const hand::HandLocation& place) {
+  return place.segment == "distal" && place.along > kTipFrom;
+}
 
-  [[nodiscard]] int count() const { return static_cast<int>(numbers_.size()); }
-
- private:
-  static bool isTip(const hand::HandLocation& place) {
-    return place.segment == "distal" && place.along > kTipFrom;
-  }
-
-  std::map<std::tuple<std::string, std::string, int>, int> numbers_;
-};
+/// The part of a hand that a place belongs to.
+std::string partOf(const hand::HandLocation& place) {
+  if (place.digit == hand::kPalmPart)
+    return fmt::format("{}_{}", place.digit, 1 + palmPartOf(place));
+  return hand::partName(place.digit, isTip(place) ? "tip" : place.segment);
+}
 
 }  // namespace
 
@@ -71,7 +64,7 @@ PosedHandTracker::PosedHandTracker(const hand::Hand& hand,
       object_solid_O_(placement::solidOf(object_O_, progress)),
       locator_(*object_O_) {
   const std::shared_ptr<const hand::FingerCoordinates> coordinates = hand::coordinatesOf(hand_);
-  PartNumbers numbers;
+  std::map<std::string, int> numbers;
   for (const hand::LinkSolid& link : solid_->links()) {
     std::vector<Spot>& spots = spots_.emplace_back();
     for (const hand::SurfaceSample& sample : link.fine.samples) {
@@ -80,10 +73,13 @@ PosedHandTracker::PosedHandTracker(const hand::Hand& hand,
       const auto place = coordinates->placeOf(hand_.skin->skinPointOf(link.link, sample.p_L));
       if (!place) continue;
       spot.place = *place;
-      spot.part = numbers.of(*place);
+      const std::string name = partOf(*place);
+      const auto [known, is_new] = numbers.try_emplace(name, static_cast<int>(numbers.size()));
+      if (is_new) part_names_.push_back(name);
+      spot.part = known->second;
     }
   }
-  touches_.assign(static_cast<std::size_t>(numbers.count()), 0);
+  touches_.assign(part_names_.size(), 0);
 }
 
 std::vector<PosedHandTracker::Near> PosedHandTracker::nearSamples(

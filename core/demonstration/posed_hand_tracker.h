@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -38,6 +39,9 @@ class PosedHandTracker {
   /// not finite; BrokenContract on a pose of another hand.
   std::vector<manipulation::DetectedContact> see(const hand::HandPose& pose, const Pose& X_WO);
 
+  /// By part: `index_distal`, `index_tip`, `palm_1`, as manipulation::ContactTracker's.
+  [[nodiscard]] const std::vector<std::string>& partNames() const { return part_names_; }
+
  private:
   /// A sample of a link's surface, by its place on the hand.
   struct Spot {
@@ -64,7 +68,8 @@ class PosedHandTracker {
   std::shared_ptr<const geometry::Solid> object_solid_O_;
   geometry::SurfaceLocator locator_;
   std::vector<std::vector<Spot>> spots_;  ///< of each of the solid's links' fine samples
-  std::vector<char> touches_;             ///< by part
+  std::vector<std::string> part_names_;
+  std::vector<char> touches_;  ///< by part
 };
 
 }  // namespace handgraft::demonstration

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/base/angle.h"
+
 namespace handgraft::geometry {
 
 namespace {
@@ -30,10 +32,6 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 /// `v` turned and stretched by `turn`, a complex number.
 Eigen::Vector2d turned(const Eigen::Vector2d& v, double turn_x, double turn_y) {
   return {turn_x * v.x() - turn_y * v.y(), turn_x * v.y() + turn_y * v.x()};
-}
-
-double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 }  // namespace

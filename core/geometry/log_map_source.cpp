@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 
 namespace handgraft::geometry {
@@ -185,10 +186,6 @@ struct FanEdge {
   Eigen::Vector3d unit = Eigen::Vector3d::Zero();
   double angle = 0.0;  ///< from the fan's first edge, inside the surface
 };
-
-double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 /// Edges of the fan; a closed fan ends with its first edge again, one turn later.
 std::vector<FanEdge> edgesOf(const TriangleMesh& mesh, int v, const Fan& fan) {

@@ -53,7 +53,7 @@ Eigen::Vector3d unitNormal(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return sine > kFlatSine ? Eigen::Vector3d(normal / sine) : Eigen::Vector3d::Zero();
 }
 
-double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+double cornerAngle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const Eigen::Vector3d a_unit = a.stableNormalized();
   const Eigen::Vector3d b_unit = b.stableNormalized();
   return std::atan2(a_unit.cross(b_unit).norm(), a_unit.dot(b_unit));
@@ -148,7 +148,7 @@ void TriangleMesh::buildNormals() {
     face_normals_.col(f) = normal;
     for (int c = 0; c < 3; ++c) {
       const double angle =
-          angleBetween(corners[(c + 1) % 3] - corners[c], corners[(c + 2) % 3] - corners[c]);
+          cornerAngle(corners[(c + 1) % 3] - corners[c], corners[(c + 2) % 3] - corners[c]);
       angle_sums_[faces_(c, f)] += angle;
       vertex_normals_.col(faces_(c, f)) += angle * normal;
     }

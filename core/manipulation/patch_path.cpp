@@ -77,9 +77,7 @@ void layOutline(const geometry::TriangleMesh& mesh,
   }
 }
 
-double angleBetween(const Eigen::Vector3d& n,
-                    const Eigen::Vector3d& a,
-                    const Eigen::Vector3d& b) {
+double turnAbout(const Eigen::Vector3d& n, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(n.dot(a.cross(b)), a.dot(b));
 }
 
@@ -126,12 +124,12 @@ PatchPath::PatchPath(const geometry::TriangleMesh& mesh, const Patch& from, cons
 
   // === The direction keeps its angle to the way; what is left at the end is turned by and by
   if (length() < 1e-9) {
-    turn_rad_ = angleBetween(normalOf(mesh, to_.root), *from_.direction_O, *to_.direction_O);
+    turn_rad_ = turnAbout(normalOf(mesh, to_.root), *from_.direction_O, *to_.direction_O);
     return;
   }
   const double angle = std::atan2(way_T_.y(), way_T_.x());
   const Eigen::Vector3d carried = tangentTurned(mesh, to_.root, headingAt(1.0), -angle);
-  turn_rad_ = angleBetween(normalOf(mesh, to_.root), carried, *to_.direction_O);
+  turn_rad_ = turnAbout(normalOf(mesh, to_.root), carried, *to_.direction_O);
 }
 
 SurfacePoint PatchPath::rootAt(double share) const {

@@ -2,19 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 
 namespace handgraft::manipulation {
 
 namespace {
-
-constexpr double kAtLimit = 1e-6;
-
-double degrees(double rad) {
-  return rad * 180.0 / std::numbers::pi;
-}
 
 /// Derivative of a series of vectors, each at the middle of two of its times.
 struct Series {
@@ -104,7 +98,7 @@ std::vector<FrameFit> fitFrames(const MotionProblem& problem,
       ++fit.points;
       if (!pair.has_normals) continue;
       const double cosine = -(X.linear() * pair.n_L).dot(pair.n_W);
-      fit.normal_deg += degrees(std::acos(std::clamp(cosine, -1.0, 1.0)));
+      fit.normal_deg += inDegrees(std::acos(std::clamp(cosine, -1.0, 1.0)));
       ++fit.normals;
     }
     if (fit.points > 0) fit.mean_mm /= fit.points;
@@ -124,16 +118,6 @@ FrameFit meanFit(const std::vector<FrameFit>& frames) {
   if (all.points > 0) all.mean_mm /= all.points;
   if (all.normals > 0) all.normal_deg /= all.normals;
   return all;
-}
-
-int jointsAtLimits(const MotionProblem& problem, const hand::HandPose& pose) {
-  int count = 0;
-  for (Eigen::Index i = 0; i < pose.q.size(); ++i)
-    count +=
-        pose.q[i] <= problem.lower[i] + kAtLimit || pose.q[i] >= problem.upper[i] - kAtLimit
-            ? 1
-            : 0;
-  return count;
 }
 
 }  // namespace handgraft::manipulation

@@ -59,7 +59,4 @@ std::vector<FrameFit> fitFrames(const MotionProblem& problem,
 /// Mean over all pairs of all frames.
 FrameFit meanFit(const std::vector<FrameFit>& frames);
 
-/// Joints of a pose at their limits, within 1e-6: a number.
-int jointsAtLimits(const MotionProblem& problem, const hand::HandPose& pose);
-
 }  // namespace handgraft::manipulation

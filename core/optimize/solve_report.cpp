@@ -3,17 +3,31 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 
 namespace handgraft::optimize {
 
 namespace {
 
-/// Angle between two directions, accurate near 0 and pi, where the cosine is flat.
-double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
+template <typename IsLocked>
+std::vector<ActiveLimit> limitsMet(const Eigen::VectorXd& lower,
+                                   const Eigen::VectorXd& upper,
+                                   const Eigen::VectorXd& q,
+                                   const IsLocked& is_locked) {
+  constexpr double kAtLimit = 1e-6;  // rad or m; below what a motor or a reader can tell
+  HANDGRAFT_REQUIRE(q.size() == lower.size() && q.size() == upper.size());
+  std::vector<ActiveLimit> limits;
+  for (int j = 0; j < static_cast<int>(q.size()); ++j) {
+    if (is_locked(j)) continue;
+    if (q[j] <= lower[j] + kAtLimit) {
+      limits.push_back({j, false});
+    } else if (q[j] >= upper[j] - kAtLimit) {
+      limits.push_back({j, true});
+    }
+  }
+  return limits;
 }
 
 }  // namespace
@@ -41,8 +55,7 @@ std::vector<PatchFit> fitPatches(const PoseProblem& problem, const hand::HandPos
     if (pair.patch < 0) continue;
     const Pose& X = X_WL[static_cast<std::size_t>(pair.link)];
     const double distance_mm = 1e3 * (X * pair.p_L - pair.p_W).norm();
-    const double angle_deg =
-        angleBetween(X.linear() * pair.n_L, -pair.n_W) * 180.0 / std::numbers::pi;
+    const double angle_deg = inDegrees(angleBetween(X.linear() * pair.n_L, -pair.n_W));
     PatchFit& fit = fits[pair.patch];
     fit.patch = pair.patch;
     ++fit.point_count;
@@ -97,18 +110,17 @@ Terms sumOverPoints(const PoseProblem& problem, const hand::HandPose& pose, Term
 }
 
 std::vector<ActiveLimit> activeLimits(const PoseProblem& problem, const hand::HandPose& pose) {
-  HANDGRAFT_REQUIRE(pose.q.size() == problem.lower.size());
-  constexpr double kAtLimit = 1e-6;  // rad or m; below what a motor or a reader can tell
-  std::vector<ActiveLimit> limits;
-  for (int j = 0; j < static_cast<int>(pose.q.size()); ++j) {
-    if (!problem.locked.empty() && problem.locked[6 + static_cast<std::size_t>(j)]) continue;
-    if (pose.q[j] <= problem.lower[j] + kAtLimit) {
-      limits.push_back({j, false});
-    } else if (pose.q[j] >= problem.upper[j] - kAtLimit) {
-      limits.push_back({j, true});
-    }
-  }
-  return limits;
+  return limitsMet(problem.lower, problem.upper, pose.q, [&problem](int j) {
+    return !problem.locked.empty() && problem.locked[6 + static_cast<std::size_t>(j)];
+  });
+}
+
+std::vector<ActiveLimit> activeLimits(const Eigen::VectorXd& lower,
+                                      const Eigen::VectorXd& upper,
+                                      const Eigen::VectorXd& q) {
+  return limitsMet(lower, upper, q, [&](int j) {
+    return lower[j] == upper[j];
+  });
 }
 
 }  // namespace handgraft::optimize

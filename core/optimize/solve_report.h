@@ -78,4 +78,9 @@ Terms sumOverPoints(const PoseProblem& problem, const hand::HandPose& pose);
 /// The joints of `pose` at their limits, locked ones left out, in the order of the dofs.
 std::vector<ActiveLimit> activeLimits(const PoseProblem& problem, const hand::HandPose& pose);
 
+/// The same of bounds alone; what they hold in one place is locked.
+std::vector<ActiveLimit> activeLimits(const Eigen::VectorXd& lower,
+                                      const Eigen::VectorXd& upper,
+                                      const Eigen::VectorXd& q);
+
 }  // namespace handgraft::optimize

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/contact/patch.h"
+#include "core/optimize/diagnosis.h"
 #include "core/optimize/solver.h"
 #include "core/placement/solids.h"
 
@@ -37,6 +39,7 @@ LiveFollower::LiveFollower(const session::Document& document,
       tracker_(*object_O_),
       solver_(problem_, options_),
       parts_(manipulation::ContactTracker::partNames().size()) {
+  placement::makeSolids(hand_, object_O_, progress);
   if (!document.solving.avoids()) return;
   problem_.avoidance =
       placement::avoidanceOf(hand_.model, hand_.skin, object_O_, Pose::Identity(), progress);
@@ -91,6 +94,30 @@ optimize::PoseProblem LiveFollower::problemNow() const {
     }
   }
   return single;
+}
+
+std::vector<LiveFollower::PartFit> LiveFollower::fitsOf(
+    const std::vector<manipulation::DetectedContact>& touches, const Pose& X_WO) const {
+  hand::LinkPoses X_OL;
+  hand::forwardKinematics(*hand_.model, last_O_->X_WH, last_O_->q, X_OL);
+  std::vector<PartFit> fits;
+  for (const manipulation::DetectedContact& touch : touches) {
+    const std::vector<optimize::PointPair>& pairs =
+        parts_[static_cast<std::size_t>(touch.part)].pairs;
+    if (pairs.empty()) continue;
+    // The object's frame is the solver's world.
+    const optimize::PointPair& pair = pairs.front();
+    const Pose& X = X_OL[static_cast<std::size_t>(pair.link)];
+    PartFit fit;
+    fit.part = touch.part;
+    fit.on_hand_W = X_WO * (X * pair.p_L);
+    fit.on_object_W = X_WO * pair.p_W;
+    fit.distance_mm = 1e3 * (fit.on_hand_W - fit.on_object_W).norm();
+    fit.facing_deg = inDegrees(angleBetween(X.linear() * pair.n_L, -pair.n_W));
+    fit.reached = optimize::isReached(fit.distance_mm, fit.facing_deg);
+    fits.push_back(fit);
+  }
+  return fits;
 }
 
 void LiveFollower::requireLater(double time_s) const {
@@ -178,6 +205,10 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   answer.touches = touches_;
   answer.objective = step.objective;
   answer.evaluations = step.evaluations;
+  answer.parts = fitsOf(touches, X_WO);
+  answer.depths =
+      placement::depthsOf(hand_.model, hand_.skin, object_O_, step.pose, progress);
+  answer.limits = optimize::activeLimits(problem_.lower, problem_.upper, step.pose.q);
   return answer;
 }
 

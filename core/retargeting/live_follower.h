@@ -9,6 +9,8 @@
 #include "core/hand/finger_coordinates.h"
 #include "core/manipulation/causal_solver.h"
 #include "core/manipulation/contact_tracker.h"
+#include "core/optimize/solve_report.h"
+#include "core/quality/penetration.h"
 #include "core/retargeting/motion_solving.h"
 #include "core/session/document.h"
 #include "core/session/models.h"
@@ -37,11 +39,24 @@ class LiveFollower {
   LiveFollower(const LiveFollower&) = delete;  // its solver refers to its problem
   LiveFollower& operator=(const LiveFollower&) = delete;
 
+  /// How a part of the hand meets what the demonstrator touches with it.
+  struct PartFit {
+    int part = 0;  ///< as the touches number it
+    Eigen::Vector3d on_hand_W = Eigen::Vector3d::Zero();
+    Eigen::Vector3d on_object_W = Eigen::Vector3d::Zero();
+    double distance_mm = 0.0;
+    double facing_deg = 0.0;
+    bool reached = false;  ///< as of optimize::isReached
+  };
+
   struct Answer {
     hand::HandPose pose;  ///< in W: the hand's base where the object is now
     int touches = 0;      ///< of the demonstrator
     double objective = 0.0;
     int evaluations = 0;
+    std::vector<PartFit> parts;  ///< of these touches that have a place on this hand
+    quality::Depths depths;
+    std::vector<optimize::ActiveLimit> limits;
   };
 
   /// Nothing before it has begun. Errors: InvalidInput, and nothing changes, for a time that
@@ -80,6 +95,8 @@ class LiveFollower {
   std::vector<optimize::PointPair> pairsOf(const manipulation::DetectedContact& touch);
   std::optional<hand::LinkPoint> spotOf(const manipulation::DetectedContact& touch);
   [[nodiscard]] optimize::PoseProblem problemNow() const;
+  [[nodiscard]] std::vector<PartFit> fitsOf(
+      const std::vector<manipulation::DetectedContact>& touches, const Pose& X_WO) const;
 
   hand::Hand hand_;
   std::shared_ptr<const geometry::TriangleMesh> object_O_;

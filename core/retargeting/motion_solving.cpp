@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/geometry/surface_locator.h"
 #include "core/optimize/diagnosis.h"
@@ -40,15 +41,6 @@ contact::Patch diskAbout(const geometry::TriangleMesh& object_O,
             .point);
   }
   return disk;
-}
-
-double inDegrees(double rad) {
-  return rad * 180.0 / std::numbers::pi;
-}
-
-/// 0 where one of them has no length.
-double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 }  // namespace

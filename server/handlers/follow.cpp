@@ -1,5 +1,6 @@
 #include "server/handlers/follow.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -76,6 +77,61 @@ hand::HandPose posedFrom(const v1::DemonstratorFrame& message, const hand::HandM
   return pose;
 }
 
+const std::string& nameOf(const Following& following, int part) {
+  const std::vector<std::string>& names = following.tracker
+                                              ? following.tracker->partNames()
+                                              : manipulation::ContactTracker::partNames();
+  return names.at(static_cast<std::size_t>(part));
+}
+
+v1::PatchFit partFitMessage(const retargeting::LiveFollower::PartFit& fit,
+                            const std::string& name) {
+  v1::PatchFit message;
+  message.name(name);
+  message.point_count(1);
+  message.mean_mm(fit.distance_mm);
+  message.rms_mm(fit.distance_mm);
+  message.max_mm(fit.distance_mm);
+  message.normal_deg(fit.facing_deg);
+  message.within_2mm(fit.distance_mm <= 2.0 ? 1.0 : 0.0);
+  message.within_5mm(fit.distance_mm <= 5.0 ? 1.0 : 0.0);
+  message.hand_W_m({fit.on_hand_W.x(), fit.on_hand_W.y(), fit.on_hand_W.z()});
+  message.object_W_m({fit.on_object_W.x(), fit.on_object_W.y(), fit.on_object_W.z()});
+  v1::PatchDiagnosis diagnosis;
+  diagnosis.facing_deg(fit.facing_deg);
+  const double miss_mm = std::max(0.0, fit.distance_mm - v1::REACHED_MM);
+  diagnosis.miss_m(1e-3 * miss_mm);
+  // Why a part is too far away is not looked for, frame by frame.
+  if (fit.reached)
+    diagnosis.verdict(v1::VERDICT_REACHED);
+  else if (miss_mm == 0.0)
+    diagnosis.verdict(v1::VERDICT_NORMALS_IN_CONFLICT);
+  diagnosis.text(fmt::format("{} by {:.1f} mm, {:.0f} deg off",
+                             fit.reached ? "reached" : "missed", fit.distance_mm,
+                             fit.facing_deg));
+  message.diagnosis(std::move(diagnosis));
+  return message;
+}
+
+/// All that is said of such a pose: nothing follows it.
+void judge(LiveSession& live,
+           const retargeting::LiveFollower::Answer& answer,
+           v1::PoseSolution& solution) {
+  const hand::HandModel& model = *live.session().hand().model;
+  int reached = 0;
+  for (const retargeting::LiveFollower::PartFit& fit : answer.parts) {
+    solution.patches().push_back(partFitMessage(fit, nameOf(live.following, fit.part)));
+    reached += fit.reached ? 1 : 0;
+  }
+  v1::Penetration depths;
+  depths.max_depth_m(answer.depths.object_m);
+  depths.self_depth_m(answer.depths.self_m);
+  solution.penetration({depths});
+  solution.joints_at_limit(limitsMessage(model, answer.limits));
+  solution.verdict(fmt::format("{} of {} touches reached", reached, answer.touches));
+  solution.is_diagnosed(true);
+}
+
 v1::PoseSolution answerOf(LiveSession& live,
                           const v1::DemonstratorFrame& frame,
                           const retargeting::LiveFollower::Answer& answer) {
@@ -90,6 +146,7 @@ v1::PoseSolution answerOf(LiveSession& live,
     solution.X_WL().push_back(toMessage(X_WL));
   solution.evaluations(static_cast<std::uint32_t>(answer.evaluations));
   solution.time_s().push_back(frame.time_s());
+  judge(live, answer, solution);
   return solution;
 }
 

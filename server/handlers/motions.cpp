@@ -24,7 +24,6 @@ namespace {
 
 constexpr std::size_t kMostFramesSent = 4096;
 constexpr std::size_t kMostBytesSent = 8u << 20;
-constexpr double kJointAtLimit = 1e-6;  // rad or m, as manipulation::jointsAtLimits
 
 /// Zeros stand for defaults.
 retargeting::MotionSolving motionSolvingFrom(const v1::SolveMotionRequest& request) {
@@ -99,18 +98,6 @@ v1::MotionSummary summaryOf(const LiveSession& live,
   return summary;
 }
 
-std::vector<v1::JointLimit> limitsReached(const manipulation::MotionProblem& problem,
-                                          const Eigen::VectorXd& q) {
-  std::vector<v1::JointLimit> limits;
-  for (int i = 0; i < problem.model->dofCount(); ++i) {
-    if (problem.lower[i] == problem.upper[i]) continue;  // locked
-    const std::string& name = problem.model->dofJoint(i).name;
-    if (q[i] <= problem.lower[i] + kJointAtLimit) limits.push_back(limitOf(name, false));
-    if (q[i] >= problem.upper[i] - kJointAtLimit) limits.push_back(limitOf(name, true));
-  }
-  return limits;
-}
-
 /// How much of a frame is told: numbers; where the links are, too; patches' outlines, too.
 enum class Detail { kNumbers, kLinks, kShapes };
 
@@ -159,7 +146,9 @@ v1::MotionFrame frameMessage(const LiveMotion& motion,
   message.max_depth_m(solved.depths[at].object_m);
   message.self_depth_m(solved.depths[at].self_m);
   message.objective(solved.trajectory.objective[at]);
-  message.joints_at_limit(limitsReached(solved.problem, pose.q));
+  const manipulation::MotionProblem& problem = solved.problem;
+  message.joints_at_limit(limitsMessage(
+      *problem.model, optimize::activeLimits(problem.lower, problem.upper, pose.q)));
   hand::LinkPoses links_W;
   if (detail != Detail::kNumbers)
     links_W = hand::forwardKinematics(*solved.problem.model, {X_WH, pose.q});

@@ -191,6 +191,14 @@ v1::JointLimit limitOf(const std::string& joint, bool upper) {
   return limit;
 }
 
+std::vector<v1::JointLimit> limitsMessage(const hand::HandModel& model,
+                                          const std::vector<optimize::ActiveLimit>& limits) {
+  std::vector<v1::JointLimit> messages;
+  for (const optimize::ActiveLimit& limit : limits)
+    messages.push_back(limitOf(model.dofJoint(limit.dof).name, limit.upper));
+  return messages;
+}
+
 v1::SolveOptions toMessage(const session::SolverSettings& solving) {
   v1::SolveOptions message;
   message.paper(solving.paper);
@@ -213,6 +221,28 @@ v1::Terms toMessage(const optimize::Terms& terms) {
   message.normal(terms.normal);
   message.prior(terms.prior);
   message.objective(terms.objective);
+  return message;
+}
+
+v1::Penetration toMessage(const hand::HandModel& model, const quality::Penetration& found) {
+  const auto name_of = [&model](int link) {
+    return model.links()[static_cast<std::size_t>(link)].name;
+  };
+  v1::Penetration message;
+  message.max_depth_m(found.max_depth_m);
+  message.mean_depth_m(found.mean_depth_m);
+  message.volume_m3(found.volume_m3);
+  for (const quality::LinkDepth& depth : found.links) {
+    v1::LinkDepth one;
+    one.link(name_of(depth.link));
+    one.depth_m(depth.depth_m);
+    message.links().push_back(one);
+  }
+  message.self_depth_m(found.self_depth_m);
+  if (found.self_depth_m > 0.0) {
+    for (const int link : found.self_links)
+      message.self_links().push_back(name_of(link));
+  }
   return message;
 }
 
@@ -282,9 +312,7 @@ v1::PoseSolution solutionMessage(const session::Session& session,
   }
   for (const session::PinnedPoint& place : session.document().held)
     message.held().push_back(heldMessage(place, model, report.pose));
-  for (const optimize::ActiveLimit& limit : report.active_limits) {
-    message.joints_at_limit().push_back(limitOf(model.dofJoint(limit.dof).name, limit.upper));
-  }
+  message.joints_at_limit(limitsMessage(model, report.active_limits));
   for (const optimize::Minimum& minimum : report.minima)
     message.minima().push_back(toMessage(minimum));
   return message;

@@ -5,6 +5,7 @@
 #include "core/hand/digits.h"
 #include "core/hand/hand_location.h"
 #include "core/optimize/solve_report.h"
+#include "core/quality/penetration.h"
 #include "core/session/session.h"
 #include "core/session/solver_settings.h"
 #include "idl/models.h"
@@ -40,9 +41,12 @@ v1::Outcome toMessage(optimize::Outcome outcome);
 v1::Chirality toMessage(hand::Chirality chirality);
 v1::JointKind kindOf(const hand::Joint& joint);
 v1::JointLimit limitOf(const std::string& joint, bool upper);
+std::vector<v1::JointLimit> limitsMessage(const hand::HandModel& model,
+                                          const std::vector<optimize::ActiveLimit>& limits);
 /// Names what is a default, too.
 v1::SolveOptions toMessage(const session::SolverSettings& solving);
 v1::Terms toMessage(const optimize::Terms& terms);
+v1::Penetration toMessage(const hand::HandModel& model, const quality::Penetration& found);
 v1::MinimumInfo toMessage(const optimize::Minimum& minimum);
 
 /// A pose on the way: joints, root and terms.

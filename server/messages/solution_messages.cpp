@@ -41,32 +41,6 @@ v1::LimitSensitivity toMessage(const hand::HandModel& model,
   return message;
 }
 
-v1::Penetration penetrationMessage(const session::Session& session,
-                                   const hand::HandPose& pose,
-                                   const Progress& progress) {
-  const hand::HandModel& model = *session.hand().model;
-  const auto name_of = [&model](int link) {
-    return model.links()[static_cast<std::size_t>(link)].name;
-  };
-  const quality::Penetration found = verdict::penetrationOf(session, pose, progress);
-  v1::Penetration message;
-  message.max_depth_m(found.max_depth_m);
-  message.mean_depth_m(found.mean_depth_m);
-  message.volume_m3(found.volume_m3);
-  for (const quality::LinkDepth& depth : found.links) {
-    v1::LinkDepth one;
-    one.link(name_of(depth.link));
-    one.depth_m(depth.depth_m);
-    message.links().push_back(one);
-  }
-  message.self_depth_m(found.self_depth_m);
-  if (found.self_depth_m > 0.0) {
-    for (const int link : found.self_links)
-      message.self_links().push_back(name_of(link));
-  }
-  return message;
-}
-
 }  // namespace
 
 void diagnose(const session::Session& session,
@@ -75,7 +49,8 @@ void diagnose(const session::Session& session,
               verdict::FitCheck& check,
               v1::PoseSolution& message,
               const Progress& progress) {
-  message.penetration({penetrationMessage(session, report.pose, progress)});
+  message.penetration(
+      {toMessage(*problem.model, verdict::penetrationOf(session, report.pose, progress))});
   progress.checkpoint();
   const verdict::FitFindings& findings = check.of(session, problem, &report);
   progress.checkpoint();

@@ -100,8 +100,8 @@ class Depth:
         self.message = message  #: the whole Penetration of idl/sessions.idl
         self.max_m: float = message["max_depth_m"]  #: of the deepest point in the object; 0: none is
         self.links: dict[str, float] = {one["link"]: one["depth_m"] for one in message["links"]}  #: m, deepest first
-        self.link: str | None = next(iter(self.links), None)  #: the deepest; None: none is in the object
-        self.volume_m3: float = message["volume_m3"]  #: that hand and object share
+        self.link: str | None = next(iter(self.links), None)  #: the deepest; None: none is in the object, or it is not told (live)
+        self.volume_m3: float = message["volume_m3"]  #: that hand and object share; of live hands 0
         self.self_m: float = message["self_depth_m"]  #: of one link in another; 0: none is
         self.self_links: tuple[str, ...] = tuple(message["self_links"])  #: those two, or none
 

@@ -154,6 +154,10 @@ def test_a_demonstrator_is_followed_live(server, followed):
             assert pose.time_s == at
             np.testing.assert_allclose(pose.X_WO, motion.X_WO[k], atol=1e-9)
             steps.append(pose.joints)
+            assert pose.is_diagnosed and 0.0 <= pose.depth.max_m < 0.003
+            assert len(pose.patches) >= 3 and all("_" in name for name in pose.patches)
+            reached = sum(patch.verdict == "reached" for patch in pose.patches.values())
+            assert pose.verdict.startswith(f"{reached} of ") and reached > 0
         assert np.abs(np.diff(steps, axis=0)).max() < 0.5
         with pytest.raises(ValueError, match="2 of them"):
             demonstrator.send(1.0, np.eye(4), places=np.zeros((21, 3)), mano=np.zeros(51))

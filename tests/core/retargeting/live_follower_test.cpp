@@ -137,6 +137,16 @@ TEST_F(LiveFollowing, AHandThatIsShownToItselfIsThere) {
     EXPECT_GE(answer->touches, 3);
     EXPECT_LT((answer->pose.q - pose.q).cwiseAbs().maxCoeff(), 0.2) << k;
     EXPECT_LT((answer->pose.X_WH.translation() - pose.X_WH.translation()).norm(), 0.006) << k;
+    // What is said of the pose is said where the object is now.
+    ASSERT_EQ(answer->parts.size(), static_cast<std::size_t>(answer->touches)) << k;
+    for (const LiveFollower::PartFit& fit : answer->parts) {
+      EXPECT_LT(static_cast<std::size_t>(fit.part), tracker.partNames().size());
+      EXPECT_NEAR(fit.distance_mm, 1e3 * (fit.on_hand_W - fit.on_object_W).norm(), 1e-9);
+      const Eigen::Vector3d out_W = fit.on_object_W - X_WO.translation();
+      EXPECT_NEAR(out_W.norm(), 0.03, 5e-4) << "on the ball, in frame " << k;
+      EXPECT_EQ(fit.reached, fit.distance_mm <= 6.0 && fit.facing_deg <= 60.0);
+    }
+    EXPECT_LT(answer->depths.object_m, 0.002) << k;
   }
 }
 
