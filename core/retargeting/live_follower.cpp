@@ -21,6 +21,10 @@ constexpr double kFastestJoint = 2.5;  // m/s
 constexpr double kJointNoise = 0.005;  // m
 constexpr int kMostJumps = 2;          // in a row; then it is where the hand is
 constexpr int kLiveStarts = 16;
+constexpr int kFirstSlides = 10;
+// Places yield to where the hand shows a touch like a spring.
+constexpr double kSlideShare = 0.95;
+constexpr double kSlideTime = 0.05;  // s
 // Of places kept for later frames.
 constexpr double kAngleStep = std::numbers::pi / 36.0;  // rad
 constexpr double kShareStep = 1.0 / 32.0;               // of a segment or the palm
@@ -38,6 +42,7 @@ LiveFollower::LiveFollower(const session::Document& document,
       options_(motionSolving(true).options),
       tracker_(*object_O_),
       solver_(problem_, options_),
+      faces_(placement::facesOf(hand_.skin)),
       parts_(manipulation::ContactTracker::partNames().size()) {
   placement::makeSolids(hand_, object_O_, progress);
   if (!document.solving.avoids()) return;
@@ -65,19 +70,46 @@ std::optional<hand::LinkPoint> LiveFollower::spotOf(
   return spot;
 }
 
-std::vector<optimize::PointPair> LiveFollower::pairsOf(
-    const manipulation::DetectedContact& touch) {
+void LiveFollower::meet(const manipulation::DetectedContact& touch) {
+  TouchingPart& part = parts_[static_cast<std::size_t>(touch.part)];
   const std::optional<hand::LinkPoint> spot = spotOf(touch);
-  if (!spot) return {};
+  const bool is_same_link = spot && part.meant && spot->link == part.meant->link;
+  if (!is_same_link || part.presence == 0.0) {
+    part.slide_L.setZero();
+    part.turn_L.setZero();
+  }
+  part.meant = spot;
+  part.p_O = positionOf(*object_O_, touch.point_O);
+  part.n_O = normalOf(*object_O_, touch.point_O);
+}
+
+void LiveFollower::slide(double share) {
+  const hand::LinkPoses X_SO = hand_.skin->fromWorld(*hand_.model, *last_O_);
+  std::vector<char> permitted(hand_.model->links().size(), 0);
+  for (TouchingPart& part : parts_) {
+    if (!part.meant || part.presence <= 0.0) continue;
+    const auto link = static_cast<std::size_t>(part.meant->link);
+    permitted[link] = 1;
+    const auto shown_S = placement::rootShownBy(*faces_, X_SO, permitted, part.p_O, part.n_O);
+    permitted[link] = 0;
+    const auto shown = shown_S ? hand_.skin->project(*shown_S) : std::nullopt;
+    if (!shown || shown->link != part.meant->link) continue;
+    part.slide_L += share * (shown->p_L - part.meant->p_L - part.slide_L);
+    part.turn_L += share * (shown->n_L - part.meant->n_L - part.turn_L);
+  }
+}
+
+optimize::PointPair LiveFollower::pairOf(std::size_t index) const {
+  const TouchingPart& part = parts_[index];
   optimize::PointPair pair;
-  pair.link = spot->link;
-  pair.p_L = spot->p_L;
-  pair.n_L = spot->n_L;
-  pair.p_W = positionOf(*object_O_, touch.point_O);
-  pair.n_W = normalOf(*object_O_, touch.point_O);
-  pair.weight = contact::kDefaultInterpolationCount;  // it stands for a region
-  pair.patch = touch.part;
-  return {pair};
+  pair.link = part.meant->link;
+  pair.p_L = part.meant->p_L + kSlideShare * part.slide_L;
+  pair.n_L = (part.meant->n_L + kSlideShare * part.turn_L).normalized();
+  pair.p_W = part.p_O;  // the object's frame is the solver's world
+  pair.n_W = part.n_O;
+  pair.weight = part.presence * contact::kDefaultInterpolationCount;  // it stands for a region
+  pair.patch = static_cast<int>(index);
+  return pair;
 }
 
 optimize::PoseProblem LiveFollower::problemNow() const {
@@ -86,13 +118,8 @@ optimize::PoseProblem LiveFollower::problemNow() const {
   if (last_O_) start = *last_O_;
   const manipulation::FrameProblems frames(problem_, options_.fade);
   optimize::PoseProblem single = frames.at(0, start);
-  for (const PartPair& part : parts_) {
-    for (const optimize::PointPair& pair : part.pairs) {
-      if (part.presence <= 0.0) continue;
-      single.pairs.push_back(pair);
-      single.pairs.back().weight *= part.presence;
-    }
-  }
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    if (parts_[i].meant && parts_[i].presence > 0.0) single.pairs.push_back(pairOf(i));
   return single;
 }
 
@@ -102,11 +129,9 @@ std::vector<LiveFollower::PartFit> LiveFollower::fitsOf(
   hand::forwardKinematics(*hand_.model, last_O_->X_WH, last_O_->q, X_OL);
   std::vector<PartFit> fits;
   for (const manipulation::DetectedContact& touch : touches) {
-    const std::vector<optimize::PointPair>& pairs =
-        parts_[static_cast<std::size_t>(touch.part)].pairs;
-    if (pairs.empty()) continue;
-    // The object's frame is the solver's world.
-    const optimize::PointPair& pair = pairs.front();
+    const auto index = static_cast<std::size_t>(touch.part);
+    if (!parts_[index].meant) continue;
+    const optimize::PointPair pair = pairOf(index);
     const Pose& X = X_OL[static_cast<std::size_t>(pair.link)];
     PartFit fit;
     fit.part = touch.part;
@@ -177,7 +202,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
       is_there.resize(at + 1, 0);
     }
     is_there[at] = 1;
-    parts_[at].pairs = pairsOf(touch);
+    meet(touch);
   }
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const double goal = is_there[i];
@@ -194,20 +219,25 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
     const optimize::PoseProblem first = problemNow();
     if (first.pairs.empty()) return std::nullopt;
     last_O_ = optimize::solve(first, solving, progress).pose;
+    solving.starts = 1;
+    for (int i = 0; i < kFirstSlides; ++i) {
+      slide(1.0);
+      last_O_ = optimize::solve(problemNow(), solving, progress).pose;
+    }
     solver_.begin(*last_O_);
   } else if (paused) {
     solver_.begin(*last_O_);
   }
   const manipulation::CausalSolver::Step step = solver_.follow(time_s, problemNow());
   last_O_ = step.pose;
+  slide(1.0 - std::exp(-std::max(0.0, step_s) / kSlideTime));
   Answer answer;
   answer.pose = {X_WO * step.pose.X_WH, step.pose.q};
   answer.touches = touches_;
   answer.objective = step.objective;
   answer.evaluations = step.evaluations;
   answer.parts = fitsOf(touches, X_WO);
-  answer.depths =
-      placement::depthsOf(hand_.model, hand_.skin, object_O_, step.pose, progress);
+  answer.depths = placement::depthsOf(hand_.model, hand_.skin, object_O_, step.pose, progress);
   answer.limits = optimize::activeLimits(problem_.lower, problem_.upper, step.pose.q);
   return answer;
 }

@@ -10,6 +10,7 @@
 #include "core/manipulation/causal_solver.h"
 #include "core/manipulation/contact_tracker.h"
 #include "core/optimize/solve_report.h"
+#include "core/placement/open_roots.h"
 #include "core/quality/penetration.h"
 #include "core/retargeting/motion_solving.h"
 #include "core/session/document.h"
@@ -20,6 +21,8 @@ namespace handgraft::retargeting {
 /// A hand that follows a demonstrator's, frame by frame as they come: where parts of the
 /// demonstrator's hand touch the object, the same parts of this hand do (ContactTracker), by
 /// the causal solver, within limits and out of the object. Touches come and go within 60 ms.
+/// A hand of other proportions cannot show all of them where they are meant: places yield, along
+/// the link that they are on, to where the hand shows the touch.
 ///
 /// It begins with the first frame that touches with three parts: the best pose of that frame
 /// alone, from many starts. After a pause of 0.25 s, or where time has run backwards by as
@@ -75,9 +78,15 @@ class LiveFollower {
   [[nodiscard]] int touches() const { return touches_; }
 
  private:
-  struct PartPair {
+  /// What a part touches, and where on this hand.
+  struct TouchingPart {
     double presence = 0.0;
-    std::vector<optimize::PointPair> pairs;  // none: this part has no place on the hand
+    std::optional<hand::LinkPoint> meant;  // none: this part has no place on the hand
+    Eigen::Vector3d p_O = Eigen::Vector3d::Zero();
+    Eigen::Vector3d n_O = Eigen::Vector3d::Zero();
+    /// From there to where the hand shows the touch, on the same link.
+    Eigen::Vector3d slide_L = Eigen::Vector3d::Zero();
+    Eigen::Vector3d turn_L = Eigen::Vector3d::Zero();
   };
 
   /// A part's place as it is kept for later frames, rounded to what a hand's skin tells apart.
@@ -92,7 +101,9 @@ class LiveFollower {
 
   void requireLater(double time_s) const;
   [[nodiscard]] bool jumps(const manipulation::DemonstratedFrame& frame) const;
-  std::vector<optimize::PointPair> pairsOf(const manipulation::DetectedContact& touch);
+  void meet(const manipulation::DetectedContact& touch);
+  void slide(double share);
+  [[nodiscard]] optimize::PointPair pairOf(std::size_t part) const;
   std::optional<hand::LinkPoint> spotOf(const manipulation::DetectedContact& touch);
   [[nodiscard]] optimize::PoseProblem problemNow() const;
   [[nodiscard]] std::vector<PartFit> fitsOf(
@@ -105,7 +116,8 @@ class LiveFollower {
   manipulation::MotionOptions options_;
   manipulation::ContactTracker tracker_;
   manipulation::CausalSolver solver_;
-  std::vector<PartPair> parts_;
+  std::shared_ptr<const placement::SkinFaces> faces_;
+  std::vector<TouchingPart> parts_;
   std::map<PlaceKey, std::optional<hand::LinkPoint>> spots_;
   /// The last frame that did not jump, and how many have since.
   std::optional<manipulation::DemonstratedFrame> steady_;

@@ -1,6 +1,7 @@
 #include "server/handlers/follow.h"
 
 #include <algorithm>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -144,10 +145,26 @@ v1::PoseSolution answerOf(LiveSession& live,
                                     answer.pose.q.data() + answer.pose.q.size());
   for (const Pose& X_WL : hand::forwardKinematics(*live.session().hand().model, answer.pose))
     solution.X_WL().push_back(toMessage(X_WL));
+  solution.terms().objective(answer.objective);
   solution.evaluations(static_cast<std::uint32_t>(answer.evaluations));
   solution.time_s().push_back(frame.time_s());
   judge(live, answer, solution);
   return solution;
+}
+
+/// Frames of one demonstrator alone: of another one when the first has stopped, and of a writer
+/// that counts anew, the hand begins anew, with its clock and with what touches.
+void heed(LiveSession& live, const v1::DemonstratorFrame& frame) {
+  constexpr std::chrono::milliseconds kStopped(500);
+  Following& following = live.following;
+  const SolveCycle::Clock::time_point now = live.now();
+  const bool is_same = frame.client() == following.client;
+  if (following.follower && !is_same && now - following.heard < kStopped)
+    rejectInput("another one is followed, until it has stopped for {} ms", kStopped.count());
+  if (!is_same || frame.sequence_number() <= following.sequence_number) following = Following();
+  following.client = frame.client();
+  following.sequence_number = frame.sequence_number();
+  following.heard = now;
 }
 
 /// Of the session as it stands, and of who is followed: an edit, or somebody else, makes
@@ -166,12 +183,16 @@ Following& followingOf(LiveSession& live, const std::shared_ptr<const StoredHand
       session.document(), session.hand(), session.sharedObject(), live.solves());
   fresh.revision = session.revision();
   fresh.hand = hand;
+  fresh.client = following.client;
+  fresh.sequence_number = following.sequence_number;
+  fresh.heard = following.heard;
   return following = std::move(fresh);
 }
 
 std::optional<retargeting::LiveFollower::Answer> answerTo(LiveSession& live,
                                                           const ModelStore& models,
                                                           const v1::DemonstratorFrame& frame) {
+  heed(live, frame);
   if (frame.kind() != v1::DEMONSTRATOR_JOINTS) {
     const manipulation::DemonstratedFrame demonstrated = demonstratedFrom(frame);
     return followingOf(live, nullptr).follower->follow(demonstrated, live.solves());

@@ -81,6 +81,10 @@ struct Following {
   /// The demonstrator's hand, if joints of a model tell it; else null, as is the next.
   std::shared_ptr<const StoredHand> hand;
   std::shared_ptr<demonstration::PosedHandTracker> tracker;
+  /// Whose frames they are, the last one's number, and when it came.
+  v1::ClientId client{};
+  unsigned long long sequence_number = 0;
+  SolveCycle::Clock::time_point heard{};
 };
 
 /// A session as the server runs it: the editable problem, its strand, where it stands between
@@ -143,6 +147,7 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   /// Somebody asked something of it.
   void touch() { last_used_ = now_().time_since_epoch().count(); }
 
+  [[nodiscard]] SolveCycle::Clock::time_point now() const { return now_(); }
   [[nodiscard]] std::chrono::steady_clock::duration idle() const;
   /// What a session is warned of while nothing else is told of it.
   enum class Warning { kDemonstrator, kIdle };

@@ -1,6 +1,8 @@
 // A demonstrator's frames, through the service: answered by poses, refused with a reason.
+#include <chrono>
 #include <cmath>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -60,6 +62,16 @@ class FollowingTest : public testing::Test {
         .has_value();
   }
 
+  /// Waits until that is what the session says now.
+  bool becomes(const std::string& trouble) {
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (message().find(trouble) == std::string::npos) {
+      if (std::chrono::steady_clock::now() > patience) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return true;
+  }
+
   std::string message() {
     return bus.ask(test::ofSession(v1::OP_DESCRIBE_SESSION, session))
         .body()
@@ -106,6 +118,24 @@ TEST_F(FollowingTest, JointsThatSayNothingAreRefused) {
   bus.send(joints(0.4, {0.1}));
   EXPECT_TRUE(isTold("of the 3 parts that a hand begins with"));
   EXPECT_EQ(bus.count(bus.solutions), 0u);
+}
+
+TEST_F(FollowingTest, OneDemonstratorAtATime) {
+  bus.send(joints(0.0, {0.1}));
+  EXPECT_TRUE(becomes("of the 3 parts that a hand begins with"));
+  v1::DemonstratorFrame of_another = joints(0.1, {0.1});
+  of_another.client({2});
+  bus.send(of_another);
+  EXPECT_TRUE(becomes("another one is followed, until it has stopped for 500 ms"));
+  // It goes on as if nobody had spoken; a writer that counts anew has a clock of its own.
+  bus.send(joints(0.2, {0.1}));
+  EXPECT_TRUE(becomes("of the 3 parts that a hand begins with"));
+  bus.send(joints(0.1, {0.1}));
+  EXPECT_TRUE(becomes("does not lie behind the one before it"));
+  v1::DemonstratorFrame anew = joints(0.1, {0.1});
+  anew.sequence_number(1);
+  bus.send(anew);
+  EXPECT_TRUE(becomes("of the 3 parts that a hand begins with"));
 }
 
 }  // namespace

@@ -148,17 +148,19 @@ def test_a_demonstrator_is_followed_live(server, followed):
     _, motion = followed
     with server.open("barrett8", motion="pull") as session:
         demonstrator = session.follow()
-        steps = []
+        steps, depths = [], []
         for k, at in enumerate(motion.time_s):
             pose = demonstrator.answer(at, motion.X_WO[k], joints=motion.joints[k], hand="tendon16", X_WH=motion.X_WH[k])
             assert pose.time_s == at
             np.testing.assert_allclose(pose.X_WO, motion.X_WO[k], atol=1e-9)
             steps.append(pose.joints)
-            assert pose.is_diagnosed and 0.0 <= pose.depth.max_m < 0.003
+            assert pose.is_diagnosed
+            depths.append(pose.depth.max_m)
             assert len(pose.patches) >= 3 and all("_" in name for name in pose.patches)
             reached = sum(patch.verdict == "reached" for patch in pose.patches.values())
             assert pose.verdict.startswith(f"{reached} of ") and reached > 0
         assert np.abs(np.diff(steps, axis=0)).max() < 0.5
+        assert np.median(depths) < 0.001 and max(depths) < 0.004
         with pytest.raises(ValueError, match="2 of them"):
             demonstrator.send(1.0, np.eye(4), places=np.zeros((21, 3)), mano=np.zeros(51))
         by_name = dict(zip(motion.joint_names, motion.joints[-1]))
@@ -172,6 +174,20 @@ def test_a_demonstrator_is_followed_live(server, followed):
             demonstrator.send(2.2, np.eye(4), places=np.zeros((3, 21)))
         with pytest.raises(handgraft.InvalidInput, match="'middle': permitted are left, right"):
             session.follow("middle")
+
+
+def test_another_demonstrator_begins_anew(server, followed):
+    """Neither the touches of the one before nor its clock."""
+    _, motion = followed
+    away = motion.X_WO[0].copy()
+    away[:3, 3] += 1.0
+    given = {"joints": motion.joints[0], "hand": "tendon16", "X_WH": motion.X_WH[0]}
+    with server.open("barrett8", motion="pull") as session:
+        session.follow().answer(5.0, motion.X_WO[0], **given)
+        another = session.follow()
+        with pytest.raises(handgraft.Error, match="touches the object with 0 of the 3 parts"):
+            another.answer(0.0, away, **given)
+        assert another.answer(0.1, motion.X_WO[0], **given).is_diagnosed
 
 
 def test_a_demonstrator_that_touches_nothing_is_told(server, pull):

@@ -119,6 +119,29 @@ TEST_F(LiveFollowing, WhatStaysSoIsNoGlitch) {
   }
 }
 
+// A hand of other proportions: its parts touch where they can, on the links that are meant.
+TEST_F(LiveFollowing, PlacesYieldToWhereTheHandShowsATouch) {
+  const auto follower = this->follower();
+  std::optional<LiveFollower::Answer> answer;
+  for (int k = 0; k < 40; ++k)
+    answer = follower->follow(grip(k / 60.0, 0.8), Progress());
+  ASSERT_TRUE(answer);
+  ASSERT_GE(answer->parts.size(), 3u);
+  double sum_mm = 0.0;
+  int reached = 0;
+  for (const LiveFollower::PartFit& fit : answer->parts) {
+    sum_mm += fit.distance_mm;
+    reached += fit.reached ? 1 : 0;
+  }
+  EXPECT_LT(sum_mm / static_cast<double>(answer->parts.size()), 7.0)
+      << "13.9 where they do not";
+  EXPECT_GE(2 * reached, static_cast<int>(answer->parts.size()));
+  // At rest: nobody moves, so the hand comes to rest, too.
+  const Eigen::VectorXd before = answer->pose.q;
+  answer = follower->follow(grip(40 / 60.0, 0.8), Progress());
+  EXPECT_LT((answer->pose.q - before).cwiseAbs().maxCoeff(), 0.01);
+}
+
 // Told by its own joints, a hand that closes about the ball is where it is shown.
 TEST_F(LiveFollowing, AHandThatIsShownToItselfIsThere) {
   const hand::Hand hand = grasp.hand();
