@@ -24,7 +24,8 @@ constexpr int kLiveStarts = 16;
 constexpr int kFirstSlides = 10;
 // Places yield to where the hand shows a touch like a spring.
 constexpr double kSlideShare = 0.95;
-constexpr double kSlideTime = 0.05;  // s
+constexpr double kSlideTime = 0.05;    // s
+constexpr double kLongestStep = 0.0125;// s
 // Of places kept for later frames.
 constexpr double kAngleStep = std::numbers::pi / 36.0;  // rad
 constexpr double kShareStep = 1.0 / 32.0;               // of a segment or the palm
@@ -228,9 +229,15 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   } else if (paused) {
     solver_.begin(*last_O_);
   }
-  const manipulation::CausalSolver::Step step = solver_.follow(time_s, problemNow());
-  last_O_ = step.pose;
-  slide(1.0 - std::exp(-std::max(0.0, step_s) / kSlideTime));
+  // Of frames that are far apart in several steps: places follow the hand, and it them.
+  const int steps =
+      paused ? 1 : std::max(1, static_cast<int>(std::ceil(step_s / kLongestStep - 1e-6)));
+  manipulation::CausalSolver::Step step;
+  for (int i = steps - 1; i >= 0; --i) {
+    step = solver_.follow(time_s - i * step_s / steps, problemNow());
+    last_O_ = step.pose;
+    slide(1.0 - std::exp(-std::max(0.0, step_s) / steps / kSlideTime));
+  }
   Answer answer;
   answer.pose = {X_WO * step.pose.X_WH, step.pose.q};
   answer.touches = touches_;
