@@ -15,7 +15,7 @@ std::span<const Command> otherCommands() {
       {"suggest PATCH --reach LENGTH --count COUNT --apply COUNT", "places on the hand nearby where a patch loses fewer points; --apply takes one", Action::kSuggest},
       {"watch", "follow the session until Ctrl-C", Action::kWatch},
       {"watch NUMBER", "so many seconds", Action::kWatch},
-      {"png FILE", "draw the last solution from two sides", Action::kPicture},
+      {"png FILE", "draw the last solution from two sides; of a motion, a strip of frames and a plot", Action::kPicture},
       // === Files
       {"export FORMAT FILE", "write the last solution for other programs", Action::kExport},
       {"save FILE", "write all of the session: state, history, snapshots, log", Action::kSave},

@@ -170,6 +170,7 @@ CommandOutput Editor::execute(const Parsed& command) {
     case Action::kEdit:
       return edit(command);
     case Action::kSolve: {
+      if (hasMotion()) return solveMotion(match);
       const bool as_kept = match.options.empty();
       return solve(as_kept ? std::nullopt
                            : std::optional(solvingWith(session_->settings().solving(), match)));
@@ -253,6 +254,11 @@ CommandOutput Editor::edit(const Parsed& command) {
 }
 
 std::string Editor::endedAt(const v1::DragEdit& drag) {
+  if (hasMotion()) {
+    return session_->when() ? ""
+                            : "held beside the object, where that is as the motion begins; "
+                              "after `at TIME` it is held in the world at that time\n";
+  }
   constexpr double kNoticed = 0.002;  // m; what a person means by another place
   if (drag.weight() == 0.0) return "";
   const v1::PoseSolution* pose = session_->solution();
@@ -282,64 +288,6 @@ std::string Editor::movedAgain(const Match& bend) {
       bend.values.at(0).text, unit.scale * value, unit.name);
 }
 
-CommandOutput Editor::editAt(const Match& match) {
-  std::optional<v1::EditTime> when;
-  if (!match.values.empty()) {
-    if (session_->state().motion().empty()) {
-      rejectInput(
-          "at {:.6g} s: session {} holds a grasp, no motion, and has no times; edits hold as "
-          "they are",
-          match.values[0].number, session_->id());
-    }
-    when.emplace();
-    when->time_s(match.values[0].number);
-    if (match.values.size() > 1) when->falloff_s(match.values[1].number);
-  }
-  session_->editAt(when);
-  CommandOutput output;
-  if (!when) {
-    output.text = "edits are of all of the motion\n";
-    output.data = {{"at_s", nullptr}};
-    return output;
-  }
-  output.text = fmt::format("edits are at {:.6g} s of the motion{}\n", when->time_s(),
-                            when->falloff_s() > 0.0
-                                ? fmt::format(", fading over {:.6g} s", when->falloff_s())
-                                : ", of that frame alone");
-  output.data = {{"at_s", when->time_s()}, {"falloff_s", when->falloff_s()}};
-  return output;
-}
-
-CommandOutput Editor::tellMotion(std::uint64_t revision) {
-  MotionUpdate news;
-  try {
-    news = session_->awaitMotion(revision);
-  } catch (const Cancelled&) {
-    if (interruption_.terminated()) throw;
-    session_->stopSolving();
-    throw CommandFailed({1, fmt::format("stopped: revision {} stands, its frames are those of "
-                                        "before; undo takes the edit back",
-                                        revision)});
-  }
-  CommandOutput output;
-  if (!news.is_complete) return output;
-  output.data = {{"frames_changed", news.changed}, {"frame_count", news.frame_count}};
-  output.text = news.changed == 0
-                    ? fmt::format("revision {}: no frame of the motion changed\n", revision)
-                    : fmt::format(
-                          "revision {}: {} of {} frames changed, {:.3f} to {:.3f} s, at most "
-                          "{:.2f} mm inside and {:.2f} in itself\n",
-                          revision, news.changed, news.frame_count, news.first_s, news.last_s,
-                          1e3 * news.max_depth_m, 1e3 * news.self_depth_m);
-  if (news.changed > 0) {
-    output.data["first_s"] = news.first_s;
-    output.data["last_s"] = news.last_s;
-    output.data["max_depth_m"] = news.max_depth_m;
-    output.data["self_depth_m"] = news.self_depth_m;
-  }
-  return output;
-}
-
 CommandOutput Editor::publish(const v1::EditBody& body) {
   const v1::EditReply reply = session_->edit(body);
   CommandOutput output;
@@ -349,7 +297,7 @@ CommandOutput Editor::publish(const v1::EditBody& body) {
     output.text += fmt::format("revision {}\n", reply.revision());
     return output;
   }
-  if (!session_->state().motion().empty()) {
+  if (hasMotion()) {
     // Once it was solved, its frames answer; before, the grasp that stands for it.
     const CommandOutput motion = tellMotion(reply.revision());
     output.text += motion.text;

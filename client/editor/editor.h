@@ -13,6 +13,7 @@
 #include "client/editor/sink.h"
 #include "client/link/client.h"
 #include "client/present/interruption.h"
+#include "client/present/motion_result.h"
 
 namespace handgraft::client::editor {
 
@@ -52,6 +53,11 @@ class Editor {
 
   /// As the command `solve` does.
   CommandOutput solve(const std::optional<v1::SolveOptions>& options);
+  /// The session's motion, by its starts and its seed alone.
+  CommandOutput solveMotion(const Match& match);
+  [[nodiscard]] bool hasMotion() const;
+  /// All of it but the summary of its solve.
+  MotionResult motionAsItStands();
 
  private:
   void runCommand(const Words& words);

@@ -56,6 +56,16 @@ CommandOutput Editor::exportTo(const std::string& format, const fs::path& path) 
 
 CommandOutput Editor::drawTo(const fs::path& path) {
   requireWritable({"png", path});
+  if (hasMotion()) {
+    // What was answered is told again, with its summary.
+    v1::SolveMotionRequest request;
+    request.session_id(session_->id());
+    MotionResult motion = motionAsItStands();
+    motion.summary = server_.solveMotion(request).get();
+    writeMotionPicture(server_, path, motion);
+    return {fmt::format("wrote {}\n", handgraft::quoted(path.string())),
+            {{"file", path.string()}}};
+  }
   GraspResult result;
   result.solution = requireSolution();
   result.session = session_->state();

@@ -1,5 +1,4 @@
 #include <chrono>
-#include <set>
 #include <string>
 
 #include <fmt/format.h>
@@ -8,7 +7,6 @@
 #include "client/editor/show.h"
 #include "client/editor/show_solution.h"
 #include "client/present/json_output.h"
-#include "client/present/motion_output.h"
 #include "client/present/text_output.h"
 #include "client/present/transfer_text.h"
 #include "core/base/error.h"
@@ -24,25 +22,6 @@ const v1::PoseSolution& Editor::requirePose() {
 
 const v1::PoseSolution& Editor::requireSolution() {
   return session_->awaitDiagnosed(requirePose().revision(), EditedSession::kEndless);
-}
-
-CommandOutput Editor::showMotion() {
-  MotionResult result;
-  result.session = session_->state();
-  result.motion =
-      server_.describe(v1::MODEL_MOTION, result.session.motion(), false).get().motion();
-  result.hand = session_->hand();
-  result.frames = framesOf(server_, session_->id());
-  requireConsistent(result);
-  CommandOutput output{"", json::motionFit(result)};
-  const std::optional<v1::EditTime>& when = session_->when();
-  if (when) output.data["frame"] = json::motionFrame(result, when->time_s());
-  const std::set<std::string> off = session_->patchesOff();
-  for (std::string& patch : result.motion.patches())
-    if (off.contains(patch)) patch += " (off)";
-  output.text = text::motionFit(result);
-  if (when) output.text += "\n" + text::motionFrame(result, when->time_s());
-  return output;
 }
 
 CommandOutput Editor::show(const Match& match) {

@@ -350,7 +350,7 @@ std::span<const Command> modelCommands() {
       {"object OBJECT", "take another object, likewise", Action::kEdit, object},
       {"solver paper --normal-form FORM --avoid-penetration --touch-only", "search as the paper does from now on: one start, the prior, by mma", Action::kEdit, solverOfPaper},
       {"solver SOLVER --starts COUNT --seed COUNT --max-evaluations COUNT --normal-form FORM --avoid-penetration --touch-only", "search so from now on, also after edits; what is not named stays", Action::kEdit, solver},
-      {"solve --solver SOLVER --starts COUNT --seed COUNT --max-evaluations COUNT --normal-form FORM --paper --avoid-penetration --touch-only", "search the pose, so for this once; Ctrl-C cancels", Action::kSolve},
+      {"solve --solver SOLVER --starts COUNT --seed COUNT --max-evaluations COUNT --normal-form FORM --paper --avoid-penetration --touch-only", "search the pose, or the motion, so for this once; Ctrl-C cancels", Action::kSolve},
       {"choose COUNT", "another minimum of `show minima`, which counts from 1, becomes prior and start", Action::kEdit, choose},
   };
   // clang-format on

@@ -97,7 +97,8 @@ CommandOutput tellSession(const v1::SessionSettings& settings, const v1::ClientI
        {"phase", nameOf(state.phase())},
        {"hand", plain(state.hand())},
        {"object", plain(state.object())},
-       {"contacts", plain(state.contacts())},
+       state.motion().empty() ? std::vector<std::string>{"contacts", plain(state.contacts())}
+                              : std::vector<std::string>{"motion", plain(state.motion())},
        {"last edit", state.last_edit().empty()
                          ? "none"
                          : fmt::format("{} (by {})", plain(state.last_edit()),

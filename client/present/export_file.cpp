@@ -4,6 +4,7 @@
 
 #include "client/link/model_files.h"
 #include "client/present/grasp_picture.h"
+#include "client/present/motion_picture.h"
 #include "client/present/png_file.h"
 #include "core/base/error.h"
 #include "idl/fields.h"
@@ -23,6 +24,27 @@ bool holds(const fs::path& path, const std::string& text) {
   return text.empty() || readFile(path) == text;
 }
 
+/// Equally far apart, from the first frame that touches to about the last one.
+std::vector<v1::MotionFrame> shownFrames(Client& server, const MotionResult& result) {
+  std::uint32_t first = 0;
+  auto last = static_cast<std::uint32_t>(result.frames.size()) - 1;
+  const auto touches = [](const v1::MotionFrame& frame) {
+    return !frame.patches().empty();
+  };
+  const auto begin = std::find_if(result.frames.begin(), result.frames.end(), touches);
+  if (begin != result.frames.end()) {
+    first = begin->index();
+    last = std::find_if(result.frames.rbegin(), result.frames.rend(), touches)->index();
+  }
+  v1::MotionFramesRequest request;
+  request.session_id(result.session.session_id());
+  request.first(first);
+  request.count(kFramesShown);
+  request.every(std::max<std::uint32_t>(1, (last - first) / (kFramesShown - 1)));
+  request.with_shapes(true);
+  return server.motionFrames(request).get().frames();
+}
+
 }  // namespace
 
 void writePicture(Client& server, const fs::path& png, const GraspResult& result) {
@@ -33,6 +55,15 @@ void writePicture(Client& server, const fs::path& png, const GraspResult& result
       server.describe(v1::MODEL_CONTACTS, session.contacts(), false).get();
   const GraspPicture picture = pictureOf(result, object.object(), contacts.contacts());
   writePng(png, render::renderTwoViews(picture.scene, picture.caption));
+}
+
+void writeMotionPicture(Client& server, const fs::path& png, const MotionResult& result) {
+  const std::vector<v1::MotionFrame> shown = shownFrames(server, result);
+  const v1::ModelDescription hand =
+      server.describe(v1::MODEL_HAND, result.session.hand(), true).get();
+  const v1::ModelDescription object =
+      server.describe(v1::MODEL_OBJECT, result.session.object(), true).get();
+  writePng(png, motionPicture(result, shown, hand.hand(), object.object()));
 }
 
 fs::path writeHand(const v1::HandDescription& hand,

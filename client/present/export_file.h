@@ -7,6 +7,7 @@
 
 #include "client/link/client.h"
 #include "client/link/grasp_result.h"
+#include "client/present/motion_result.h"
 #include "client/present/output_file.h"
 
 namespace handgraft::client {
@@ -14,6 +15,11 @@ namespace handgraft::client {
 /// Asks for what else the picture shows, and writes it. `result.hand` must have been described
 /// with its meshes.
 void writePicture(Client& server, const std::filesystem::path& png, const GraspResult& result);
+
+/// The same of a motion. Cost: some 2 s.
+void writeMotionPicture(Client& server,
+                        const std::filesystem::path& png,
+                        const MotionResult& result);
 
 /// What a session can be written as by the server, for help and complaints.
 const std::vector<std::string>& exportFormats();

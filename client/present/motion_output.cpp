@@ -148,7 +148,14 @@ std::string reachedOverTime(const MotionResult& result) {
     touching += measure.patches > 0 ? 1 : 0;
     reaching += measure.patches > 0 && measure.reached == measure.patches ? 1 : 0;
   }
-  return fmt::format("{} frames touch, in {} every patch is reached", touching, reaching);
+  std::string left_out;
+  for (const PatchOverTime& patch : patchesOf(result)) {
+    if (patch.frames > 0 || spansOf(result.motion, patch.name).empty()) continue;
+    left_out += (left_out.empty() ? "" : ", ") + text::plain(patch.name);
+  }
+  return fmt::format("{} frames touch, in {} every patch {}is reached{}", touching, reaching,
+                     left_out.empty() ? "" : "that the hand has ",
+                     left_out.empty() ? "" : "; left out: " + left_out);
 }
 
 /// When a frame's `depth_of` is largest.

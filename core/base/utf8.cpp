@@ -79,6 +79,11 @@ Character takeCharacter(std::string_view& rest) {
   return taken;
 }
 
+std::string_view withoutByteOrderMark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
+
 bool isControl(char32_t code) {
   return isIn(kControl, code);
 }

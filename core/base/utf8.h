@@ -16,6 +16,9 @@ struct Character {
 /// no valid UTF-8.
 Character takeCharacter(std::string_view& rest);
 
+/// Without the mark that some programs (spreadsheets) begin a text with.
+std::string_view withoutByteOrderMark(std::string_view text);
+
 /// Of C0, C1 and DEL, and what breaks lines or turns their direction.
 bool isControl(char32_t code);
 

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/base/utf8.h"
 #include "core/formats/json_keys.h"
 #include "core/io/file_bytes.h"
 #include "core/manipulation/motion.h"
@@ -198,7 +199,7 @@ Pose poseInCells(const std::vector<std::string>& cells,
 HandTrajectoryFile trajectoryFromCsv(const std::string& bytes) {
   HandTrajectoryFile file;
   Columns columns;
-  std::istringstream lines(bytes);
+  std::istringstream lines{std::string(withoutByteOrderMark(bytes))};
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     if (!line.empty() && line.back() == '\r') line.pop_back();

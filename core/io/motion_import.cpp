@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/base/utf8.h"
 #include "core/formats/json_keys.h"
 #include "core/geometry/surface_locator.h"
 #include "core/io/file_bytes.h"
@@ -365,7 +366,7 @@ Motion readContactSequence(const std::filesystem::path& path,
 
 std::vector<TimedPose> readKeyframes(const std::filesystem::path& path) {
   constexpr const char* kHeading = "time_s,x,y,z,qw,qx,qy,qz";
-  std::istringstream lines(readFileBytes(path));
+  std::istringstream lines{std::string(withoutByteOrderMark(readFileBytes(path)))};
   std::string line;
   std::vector<TimedPose> poses;
   for (int number = 1; std::getline(lines, line); ++number) {

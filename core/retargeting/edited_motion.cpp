@@ -32,6 +32,9 @@ using manipulation::PatchTrack;
 using manipulation::TransferredMotion;
 
 constexpr std::size_t kFramesKept = 20000;  // of bases beside the last one, and of stretches
+// Beyond what the answer before missed: so much more, and an edit is answered from nothing as
+// well.
+constexpr double kMissedMore = 0.05;
 
 /// Where a patch was put; one that slides has a place on the hand of its own.
 void addPlaces(const session::DocumentPatch& patch, session::FieldWriter& writer) {
@@ -164,6 +167,23 @@ void takePlacements(const Motion& from, Motion& to) {
       to.tracks[t].keys[i].placement = from.tracks[t].keys[i].placement;
 }
 
+/// Of the patches that are there in a frame each 50 ms: the share that is not reached.
+double shareMissed(const Motion& motion, const SolvedMotion& solved) {
+  constexpr double kEvery = 0.05;  // s
+  const MotionFits fits(motion, solved);
+  const int stride = manipulation::strideOf(motion.time_s, kEvery);
+  int there = 0;
+  int missed = 0;
+  for (int k = 0; k < solved.problem.frameCount(); k += stride) {
+    for (const PatchFrameFit& fit : fits.at(k)) {
+      if (fit.presence < 1.0) continue;  // it comes or goes, or is switched off
+      ++there;
+      missed += fit.reached ? 0 : 1;
+    }
+  }
+  return there > 0 ? static_cast<double>(missed) / there : 0.0;
+}
+
 }  // namespace
 
 EditedMotion::EditedMotion(std::shared_ptr<const Motion> motion,
@@ -263,23 +283,12 @@ std::shared_ptr<const EditedMotion::Laid> EditedMotion::laid(
       Laid{std::move(key), work.document.hand, std::move(edited), std::move(as_laid)});
 }
 
-const EditedMotion::Base& EditedMotion::base(const Work& work) {
-  const auto known = std::find_if(bases_.begin(), bases_.end(), [&](const Base& one) {
-    return one.key == work.base_key;
-  });
-  if (known != bases_.end()) {
-    bases_.splice(bases_.begin(), bases_, known);
-    return bases_.front();
-  }
+EditedMotion::Base EditedMotion::solveBase(const Work& work, bool goes_on) {
   const session::Document& document = work.document;
   auto made = std::make_shared<SolvedMotion>();
   SolvedMotion& solved = *made;
   solved.solving = work.solving;
   solved.problem = motionProblemOf(document, work.hand, motion_->time_s, work.solving);
-  const SolvedMotion* before = bases_.empty() ? nullptr : bases_.front().solved.get();
-  const bool goes_on = !work.from_nothing && before != nullptr &&
-                       before->solving.causal == work.solving.causal &&
-                       before->problem.model == solved.problem.model;
   std::vector<hand::HandPose> start;
   std::shared_ptr<const Laid> as_laid = laid(work, !goes_on, start);
   solved.problem.tracks = weighed(document, grasp_, as_laid->motion, as_laid->laid);
@@ -294,7 +303,7 @@ const EditedMotion::Base& EditedMotion::base(const Work& work) {
   if (work.solving.causal) {
     solved.trajectory = solveCausal(solved.problem, options, work.progress);
   } else if (goes_on) {
-    solved.trajectory = before->trajectory;
+    solved.trajectory = bases_.front().solved->trajectory;
     solved.trajectory.notes.clear();
     solveAgain(solved.problem, options, 0, count, work.progress, solved.trajectory);
   } else {
@@ -313,7 +322,30 @@ const EditedMotion::Base& EditedMotion::base(const Work& work) {
   solved.laid = {as_laid, &as_laid->motion};
   solved.depths.assign(static_cast<std::size_t>(count), {});
   measureDepths(work.hand, object_O_, {0, count}, work.threads, work.progress, solved);
-  bases_.push_front({work.base_key, std::move(as_laid), made});
+  return {work.base_key, std::move(as_laid), std::move(made)};
+}
+
+const EditedMotion::Base& EditedMotion::base(const Work& work) {
+  const auto known = std::find_if(bases_.begin(), bases_.end(), [&](const Base& one) {
+    return one.key == work.base_key;
+  });
+  if (known != bases_.end()) {
+    bases_.splice(bases_.begin(), bases_, known);
+    return bases_.front();
+  }
+  const SolvedMotion* before = bases_.empty() ? nullptr : bases_.front().solved.get();
+  const bool goes_on = !work.from_nothing && before != nullptr &&
+                       before->solving.causal == work.solving.causal &&
+                       before->problem.model == work.hand.model;
+  Base made = solveBase(work, goes_on);
+  if (goes_on && !work.solving.causal &&
+      shareMissed(*motion_, *made.solved) > shareMissed(*motion_, *before) + kMissedMore) {
+    // What was found before has become a bad place to set out from.
+    Base anew = solveBase(work, false);
+    if (shareMissed(*motion_, *anew.solved) < shareMissed(*motion_, *made.solved))
+      made = std::move(anew);
+  }
+  bases_.push_front(std::move(made));
   std::size_t frames = 0;
   for (auto base = std::next(bases_.begin()); base != bases_.end();) {
     frames += base->solved->trajectory.poses.size();

@@ -25,7 +25,8 @@ struct FrameRange {
 /// A session's motion, solved again and again while it is edited.
 ///
 /// First the motion without edits at times (offline from the last such answer, if there is one,
-/// else from nothing), then what was edited at times, each stretch of frames about such edits
+/// else from nothing; from nothing, too, where an edit has patches missed that were reached:
+/// the better counts), then what was edited at times, each stretch of frames about such edits
 /// by itself: those that an edit reaches and kMargin_s on both sides, which smoothness couples
 /// to them. The others keep the first answer to the byte. So one more edit at a time costs its
 /// own stretch alone. Frame by frame (causal), every frame after an edit is solved anew.
@@ -89,6 +90,7 @@ class EditedMotion {
                                    bool anew,
                                    std::vector<hand::HandPose>& start);
   const Base& base(const Work& work);
+  Base solveBase(const Work& work, bool goes_on);
   void solveStretches(const Work& work, SolvedMotion& solved, const OnStretch& on_stretch);
 
   std::shared_ptr<const manipulation::Motion> motion_;

@@ -15,7 +15,7 @@ namespace handgraft::session {
 
 namespace {
 
-constexpr double kMostTime = 1e9;  // s
+constexpr double kMostTime = 1e12;  // s; recordings count from 1970, some in milliseconds
 
 template <class... Cases>
 struct Overloaded : Cases... {

@@ -90,6 +90,22 @@ TEST(Motion, ABoxIsPulledOffAShelfAndTurned) {
   EXPECT_EQ(exported.at("format"), "ros_trajectory");
   EXPECT_EQ(begins(scratch / "pull.yaml", 7), "header:");
 
+  // At the prompt: solved anew, drawn, and edited at times that it has.
+  const std::string picture = (scratch / "prompt.png").string();
+  const Finished prompt = service.client(
+      {"edit", session, "--script",
+       written("prompt.txt", "solve --starts 3\nat 0.5 0.2\nat all\npng " + picture + "\n")});
+  EXPECT_EQ(prompt.exit_code, 0) << prompt.err;
+  EXPECT_THAT(prompt.out, HasSubstr("every patch is reached"));
+  EXPECT_EQ(begins(picture, 4), "\x89PNG");
+  const Finished too_late =
+      service.client({"edit", session, "--script", written("late.txt", "at 1.5\n")});
+  EXPECT_NE(too_late.exit_code, 0);
+  EXPECT_THAT(too_late.err, HasSubstr("at 1.5 s: the motion lasts from 0 to 1 s"));
+  const Finished of_grasps =
+      service.client({"edit", session, "--script", written("paper.txt", "solve --paper\n")});
+  EXPECT_THAT(of_grasps.err, HasSubstr("--paper: it is of grasps"));
+
   // It is played by the clock, whether anybody listens or not.
   const json played = service.ask(
       {"motion", "play", session, "--speed", "4", "--from", "0.2", "--lead-in", "0.1"});

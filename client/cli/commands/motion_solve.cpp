@@ -12,9 +12,7 @@
 #include "client/present/export_file.h"
 #include "client/present/interactive_client.h"
 #include "client/present/motion_output.h"
-#include "client/present/motion_picture.h"
 #include "client/present/output_file.h"
-#include "client/present/png_file.h"
 #include "client/present/progress_line.h"
 #include "client/present/send_model.h"
 #include "core/base/error.h"
@@ -82,38 +80,6 @@ v1::SolveMotionRequest solvingOf(const MotionSolveOptions& options, std::uint64_
   return request;
 }
 
-/// Equally far apart, from the first frame that touches to about the last one.
-std::vector<v1::MotionFrame> shownFrames(Client& server, const MotionResult& result) {
-  std::uint32_t first = 0;
-  auto last = static_cast<std::uint32_t>(result.frames.size()) - 1;
-  const auto touches = [](const v1::MotionFrame& frame) {
-    return !frame.patches().empty();
-  };
-  const auto begin = std::find_if(result.frames.begin(), result.frames.end(), touches);
-  if (begin != result.frames.end()) {
-    first = begin->index();
-    last = std::find_if(result.frames.rbegin(), result.frames.rend(), touches)->index();
-  }
-  v1::MotionFramesRequest request;
-  request.session_id(result.session.session_id());
-  request.first(first);
-  request.count(kFramesShown);
-  request.every(std::max<std::uint32_t>(1, (last - first) / (kFramesShown - 1)));
-  request.with_shapes(true);
-  return server.motionFrames(request).get().frames();
-}
-
-void writeMotionPicture(Client& server,
-                        const MotionSolveOptions& options,
-                        const MotionResult& result) {
-  const std::vector<v1::MotionFrame> shown = shownFrames(server, result);
-  const v1::ModelDescription hand =
-      server.describe(v1::MODEL_HAND, result.session.hand(), true).get();
-  const v1::ModelDescription object =
-      server.describe(v1::MODEL_OBJECT, result.session.object(), true).get();
-  writePng(options.png, motionPicture(result, shown, hand.hand(), object.object()));
-}
-
 }  // namespace
 
 int run(const MotionSolveOptions& options,
@@ -149,7 +115,7 @@ int run(const MotionSolveOptions& options,
     if (!options.frames.empty()) writeFile(options.frames, frameTable(result));
   });
   outputs.write([&] {
-    if (!options.png.empty()) writeMotionPicture(server, options, result);
+    if (!options.png.empty()) writeMotionPicture(server, options.png, result);
   });
   progress.clear();
   fmt::print("{}",

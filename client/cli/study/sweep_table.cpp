@@ -55,14 +55,16 @@ std::string csvOf(const SweepResult& result) {
       continue;
     }
     const v1::Terms& terms = row.terms();
-    out += fmt::format(
-        ",{},{:.6g},{:.6g},{:.6g},{:.4g},{:.4g},{},{},{},{:.10g},{:.10g},{:.10g},{:.10g},{},{:."
-        "4g}",
-        nameOf(row.outcome()), row.mean_mm(), row.max_mm(), row.normal_deg(),
-        1e3 * row.max_depth_m(), 1e3 * row.self_depth_m(), row.patch_count(),
-        row.reached_count(), row.point_count(), terms.objective(), terms.distance_m2(),
-        terms.normal(), terms.prior(), field(joined(text::limitNames(row.joints_at_limit()))),
-        row.solve_ms());
+    // A patch that the hand has no place for is nowhere, not at no distance.
+    out += "," + std::string(nameOf(row.outcome()));
+    out += row.point_count() == 0 ? ",,,"
+                                  : fmt::format(",{:.6g},{:.6g},{:.6g}", row.mean_mm(),
+                                                row.max_mm(), row.normal_deg());
+    out += fmt::format(",{:.4g},{:.4g},{},{},{},{:.10g},{:.10g},{:.10g},{:.10g},{},{:.4g}",
+                       1e3 * row.max_depth_m(), 1e3 * row.self_depth_m(), row.patch_count(),
+                       row.reached_count(), row.point_count(), terms.objective(),
+                       terms.distance_m2(), terms.normal(), terms.prior(),
+                       field(joined(text::limitNames(row.joints_at_limit()))), row.solve_ms());
     for (const double q : row.joint_positions())
       out += fmt::format(",{:.10g}", q);
     if (row.joint_positions().empty())

@@ -72,6 +72,18 @@ def test_patches_come_and_go(followed):
     assert motion.touches.all()
 
 
+def test_a_limit_that_the_answer_before_cannot_keep_is_met_from_nothing(server):
+    """From where the hand was, the index ended 8.6 mm off in all frames; a hand of that limit reaches all."""
+    path = [turned(0, (0, 0, 0.3)), turned(0, (-0.25, 0, 0.32)), turned(0.5, (-0.3, 0, 0.2))]
+    motion = server.join_grasps("box_5", "box_5", [0.0, 1.0, 2.0], path, "still", rate_hz=10)
+    with server.open("allegro16", motion=motion) as session:
+        assert session.solve_motion().reached.all()
+        session.limit("index_proximal_flex", -0.196, np.radians(40.0))
+        after = session.motion()
+        assert after.joints[:, session.joint_names.index("index_proximal_flex")].max() <= np.radians(40.0) + 1e-6
+        assert after.reached.all()
+
+
 def test_an_edit_at_a_time_changes_the_frames_about_it(server, pull, followed):
     before = followed[1]
     with server.open("tendon16", motion=pull) as session:

@@ -43,5 +43,12 @@ TEST(Utf8, ColumnsAreThoseOfATerminal) {
   EXPECT_EQ(columnsOf("e\u0301"), 1u);
 }
 
+TEST(Utf8, AMarkAtTheBeginningIsNoText) {
+  EXPECT_EQ(withoutByteOrderMark("\xEF\xBB\xBFtime_s"), "time_s");
+  EXPECT_EQ(withoutByteOrderMark("time_s\xEF\xBB\xBF"), "time_s\xEF\xBB\xBF");
+  EXPECT_EQ(withoutByteOrderMark("\xEF\xBB"), "\xEF\xBB");
+  EXPECT_EQ(withoutByteOrderMark(""), "");
+}
+
 }  // namespace
 }  // namespace handgraft
