@@ -153,9 +153,8 @@ std::string reachedOverTime(const MotionResult& result) {
     if (patch.frames > 0 || spansOf(result.motion, patch.name).empty()) continue;
     left_out += (left_out.empty() ? "" : ", ") + text::plain(patch.name);
   }
-  return fmt::format("{} frames touch, in {} every patch {}is reached{}", touching, reaching,
-                     left_out.empty() ? "" : "that the hand has ",
-                     left_out.empty() ? "" : "; left out: " + left_out);
+  return fmt::format("{} frames touch, in {} every patch is reached{}", touching, reaching,
+                     left_out.empty() ? "" : ", " + left_out + " left out");
 }
 
 /// When a frame's `depth_of` is largest.

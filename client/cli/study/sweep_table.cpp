@@ -57,7 +57,7 @@ std::string csvOf(const SweepResult& result) {
     const v1::Terms& terms = row.terms();
     // A patch that the hand has no place for is nowhere, not at no distance.
     out += "," + std::string(nameOf(row.outcome()));
-    out += row.point_count() == 0 ? ",,,"
+    out += row.patch_count() == 0 ? ",,,"
                                   : fmt::format(",{:.6g},{:.6g},{:.6g}", row.mean_mm(),
                                                 row.max_mm(), row.normal_deg());
     out += fmt::format(",{:.4g},{:.4g},{},{},{},{:.10g},{:.10g},{:.10g},{:.10g},{},{:.4g}",
