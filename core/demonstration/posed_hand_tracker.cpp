@@ -64,6 +64,7 @@ PosedHandTracker::PosedHandTracker(const hand::Hand& hand,
       object_solid_O_(placement::solidOf(object_O_, progress)),
       locator_(*object_O_) {
   const std::shared_ptr<const hand::FingerCoordinates> coordinates = hand::coordinatesOf(hand_);
+  turned_ = turnedParts(coordinates->anatomy());
   std::map<std::string, int> numbers;
   for (const hand::LinkSolid& link : solid_->links()) {
     std::vector<Spot>& spots = spots_.emplace_back();
@@ -165,6 +166,18 @@ std::vector<DetectedContact> PosedHandTracker::see(const hand::HandPose& pose,
   }
   touches_ = std::move(are_touching);
   return touches;
+}
+
+std::vector<contact::PartDirection> PosedHandTracker::postureOf(const hand::HandPose& pose,
+                                                                const Pose& X_WO) const {
+  const hand::LinkPoses X_SO =
+      hand_.skin->fromWorld(*hand_.model, {inverse(X_WO) * pose.X_WH, pose.q});
+  std::vector<contact::PartDirection> posture;
+  for (const hand::TurnedPart& part : turned_) {
+    const Eigen::Matrix3d R_OS = X_SO[static_cast<std::size_t>(part.link)].linear().transpose();
+    posture.push_back({part.name, R_OS * part.outward_S, R_OS * part.palmar_S});
+  }
+  return posture;
 }
 
 }  // namespace handgraft::demonstration

@@ -10,6 +10,7 @@
 #include "core/hand/hand.h"
 #include "core/hand/hand_solid.h"
 #include "core/hand/kinematics.h"
+#include "core/hand/turned_parts.h"
 #include "core/manipulation/contact_tracker.h"
 
 namespace handgraft::demonstration {
@@ -38,6 +39,10 @@ class PosedHandTracker {
   /// Frames: pose and X_WO in W. Errors: InvalidInput, and nothing changes, if one of them is
   /// not finite; BrokenContract on a pose of another hand.
   std::vector<manipulation::DetectedContact> see(const hand::HandPose& pose, const Pose& X_WO);
+
+  /// How the hand's segments and its palm are turned.
+  [[nodiscard]] std::vector<contact::PartDirection> postureOf(const hand::HandPose& pose,
+                                                              const Pose& X_WO) const;
 
   /// By part: `index_distal`, `index_tip`, `palm_1`, as manipulation::ContactTracker's.
   [[nodiscard]] const std::vector<std::string>& partNames() const { return part_names_; }
@@ -68,6 +73,7 @@ class PosedHandTracker {
   std::shared_ptr<const geometry::Solid> object_solid_O_;
   geometry::SurfaceLocator locator_;
   std::vector<std::vector<Spot>> spots_;  ///< of each of the solid's links' fine samples
+  std::vector<hand::TurnedPart> turned_;
   std::vector<std::string> part_names_;
   std::vector<char> touches_;  ///< by part
 };

@@ -75,6 +75,16 @@ struct Frame {
     return (1.0 - part.along) * joints_O.col(base) + part.along * joints_O.col(base + 1);
   }
 
+  [[nodiscard]] Eigen::Vector3d boneOf(int digit, int segment) const {
+    const int base = 1 + 4 * digit + segment;
+    return (joints_O.col(base + 1) - joints_O.col(base)).normalized();
+  }
+
+  /// Fingers bend about the row of knuckles: palmar turns with the bone.
+  [[nodiscard]] Eigen::Vector3d sideOf(const Eigen::Vector3d& bone) const {
+    return (thumbward_O - thumbward_O.dot(bone) * bone).normalized();
+  }
+
   [[nodiscard]] hand::HandLocation placeOf(const Part& part, const Eigen::Vector3d& p_O) const {
     hand::HandLocation place;
     place.along = part.along;
@@ -87,10 +97,8 @@ struct Frame {
     place.segment = kSegmentNames[static_cast<std::size_t>(part.segment)];
     place.segment_count = 3;
     if (part.digit == 0) return place;
-    // Fingers bend about the row of knuckles: palmar turns with the bone.
-    const int base = 1 + 4 * part.digit + part.segment;
-    const Eigen::Vector3d bone = (joints_O.col(base + 1) - joints_O.col(base)).normalized();
-    const Eigen::Vector3d side = (thumbward_O - thumbward_O.dot(bone) * bone).normalized();
+    const Eigen::Vector3d bone = boneOf(part.digit, part.segment);
+    const Eigen::Vector3d side = sideOf(bone);
     const Eigen::Vector3d palmar = palmar_sign * side.cross(bone);
     const Eigen::Vector3d out = p_O - middleOf(part);
     if (side.allFinite() && palmar.allFinite())
@@ -223,6 +231,28 @@ std::vector<DetectedContact> ContactTracker::see(const DemonstratedFrame& frame)
                        joints.placeOf(part, positionOf(object_O_, hit.point)), hit.point});
   }
   return touches;
+}
+
+std::vector<contact::PartDirection> postureOf(const DemonstratedFrame& frame) {
+  const Frame joints(frame);
+  std::vector<contact::PartDirection> posture;
+  const auto add = [&](const std::string& name, const Eigen::Vector3d& bone, bool has_palmar) {
+    contact::PartDirection part{name, bone, Eigen::Vector3d::Zero()};
+    if (has_palmar) part.palmar_O = joints.palmar_sign * joints.sideOf(bone).cross(bone);
+    if (part.outward_O.allFinite() && part.palmar_O.allFinite())
+      posture.push_back(std::move(part));
+  };
+  for (int digit = 0; digit < 5; ++digit) {
+    for (int segment = 0; segment < 3; ++segment) {
+      add(hand::partName(kDigitNames[static_cast<std::size_t>(digit)],
+                         kSegmentNames[static_cast<std::size_t>(segment)]),
+          joints.boneOf(digit, segment), digit > 0);
+    }
+  }
+  constexpr int kMiddleKnuckle = 9;
+  add(hand::kPalmPart,
+      (joints.joints_O.col(kMiddleKnuckle) - joints.joints_O.col(0)).normalized(), true);
+  return posture;
 }
 
 Motion motionOfDemonstration(const std::vector<DemonstratedFrame>& frames,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/pose.h"
+#include "core/contact/contact_set.h"
 #include "core/geometry/surface_locator.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/hand/demonstrated_joints.h"
@@ -57,6 +58,10 @@ class ContactTracker {
   geometry::SurfaceLocator locator_;
   std::vector<char> touches_;
 };
+
+/// How the segments and the palm of that hand are turned; a thumb's joints do not tell where it
+/// closes to.
+std::vector<contact::PartDirection> postureOf(const DemonstratedFrame& frame);
 
 /// The motion of a demonstration: a track from where a part begins to touch until it ends, a
 /// key where the touch has moved by a millimetre. Touches that last less than 40 ms are left

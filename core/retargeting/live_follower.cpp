@@ -9,6 +9,7 @@
 #include "core/contact/patch.h"
 #include "core/optimize/diagnosis.h"
 #include "core/optimize/solver.h"
+#include "core/placement/posture_finding.h"
 #include "core/placement/solids.h"
 
 namespace handgraft::retargeting {
@@ -22,10 +23,17 @@ constexpr double kJointNoise = 0.005;  // m
 constexpr int kMostJumps = 2;          // in a row; then it is where the hand is
 constexpr int kLiveStarts = 16;
 constexpr int kFirstSlides = 10;
+// Lost is a hand that is so far off, for so long; what is found must be nearer by this factor.
+constexpr double kLost = 0.012;       // m, on average over the touches
+constexpr double kLostFor = 0.25;     // s
+constexpr double kSearchEvery = 0.5;  // s
+constexpr double kBetter = 0.6;
+constexpr double kWayTime = 0.8;  // s
+constexpr double kAway = 0.1;     // m, in the middle of a way about the object
 // Places yield to where the hand shows a touch like a spring.
 constexpr double kSlideShare = 0.95;
-constexpr double kSlideTime = 0.05;    // s
-constexpr double kLongestStep = 0.0125;// s
+constexpr double kSlideTime = 0.05;      // s
+constexpr double kLongestStep = 0.0125;  // s
 // Of places kept for later frames.
 constexpr double kAngleStep = std::numbers::pi / 36.0;  // rad
 constexpr double kShareStep = 1.0 / 32.0;               // of a segment or the palm
@@ -44,6 +52,7 @@ LiveFollower::LiveFollower(const session::Document& document,
       tracker_(*object_O_),
       solver_(problem_, options_),
       faces_(placement::facesOf(hand_.skin)),
+      middle_O_(object_O_->vertices().rowwise().mean()),
       parts_(manipulation::ContactTracker::partNames().size()) {
   placement::makeSolids(hand_, object_O_, progress);
   if (!document.solving.avoids()) return;
@@ -161,12 +170,13 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   requireLater(frame.time_s);
   if (jumps(frame)) {
     ++jumped_;
-    return follow(frame.time_s, frame.X_WO, steady_touches_, progress);
+    return follow(frame.time_s, frame.X_WO, steady_touches_, {}, progress);
   }
   steady_touches_ = tracker_.see(frame);
   steady_ = frame;
   jumped_ = 0;
-  return follow(frame.time_s, frame.X_WO, steady_touches_, progress);
+  return follow(frame.time_s, frame.X_WO, steady_touches_, manipulation::postureOf(frame),
+                progress);
 }
 
 bool LiveFollower::jumps(const manipulation::DemonstratedFrame& frame) const {
@@ -180,10 +190,114 @@ bool LiveFollower::jumps(const manipulation::DemonstratedFrame& frame) const {
   return farthest > kFastestJoint * step_s + kJointNoise;
 }
 
+bool LiveFollower::begin(const std::vector<contact::PartDirection>& posture,
+                         const Progress& progress) {
+  if (touches_ < kTouchesToBegin || problemNow().pairs.empty()) return false;
+  search(posture, progress);
+  return true;
+}
+
+void LiveFollower::search(const std::vector<contact::PartDirection>& posture,
+                          const Progress& progress) {
+  optimize::PoseProblem problem = problemNow();
+  contact::ContactSet shown;
+  shown.posture = posture;
+  const placement::Posture held = placement::postureFor(hand_, shown);
+  const auto hold = [&](optimize::PoseProblem& one) {
+    one.prior.q = held.q.cwiseMax(one.lower).cwiseMin(one.upper);
+    one.prior_weights = Eigen::VectorXd::Ones(one.dofCount());
+    one.prior_weights.tail(held.q.size()) *= held.sureness;
+    if (!held.R_OH) return;
+    one.prior.X_WH.linear() = *held.R_OH;
+    one.prior_weights.head<3>() *= held.sureness;
+  };
+  hold(problem);
+  optimize::SolveOptions solving;
+  solving.starts = kLiveStarts;
+  last_O_ = optimize::solve(problem, solving, progress).pose;
+  solving.starts = 1;
+  for (int i = 0; i < kFirstSlides; ++i) {
+    slide(1.0);
+    problem = problemNow();
+    hold(problem);
+    last_O_ = optimize::solve(problem, solving, progress).pose;
+  }
+}
+
+double LiveFollower::meanDistance() const {
+  double sum = 0.0;
+  int count = 0;
+  hand::LinkPoses X_OL;
+  hand::forwardKinematics(*hand_.model, last_O_->X_WH, last_O_->q, X_OL);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    if (!parts_[i].meant || parts_[i].presence < 1.0) continue;
+    const optimize::PointPair pair = pairOf(i);
+    sum += (X_OL[static_cast<std::size_t>(pair.link)] * pair.p_L - pair.p_W).norm();
+    ++count;
+  }
+  return count > 0 ? sum / count : 0.0;
+}
+
+void LiveFollower::lookAnew(double time_s,
+                            double step_s,
+                            const std::vector<contact::PartDirection>& posture,
+                            const Progress& progress) {
+  const double distance = meanDistance();
+  lost_s_ = touches_ >= kTouchesToBegin && distance > kLost ? lost_s_ + step_s : 0.0;
+  if (way_ || lost_s_ < kLostFor || time_s < search_from_s_) return;
+  search_from_s_ = time_s + kSearchEvery;
+  const std::vector<TouchingPart> parts = parts_;
+  const hand::HandPose here_O = *last_O_;
+  for (TouchingPart& part : parts_) {
+    part.slide_L.setZero();
+    part.turn_L.setZero();
+  }
+  search(posture, progress);
+  if (meanDistance() < kBetter * distance) {
+    way_ = Way{here_O, *last_O_, time_s, kWayTime};
+    search_from_s_ += kWayTime;
+  } else {
+    parts_ = parts;
+  }
+  last_O_ = here_O;
+}
+
+hand::HandPose LiveFollower::poseOn(const Way& way, double time_s) const {
+  const double share = std::clamp((time_s - way.begin_s) / way.duration_s, 0.0, 1.0);
+  hand::HandPose pose = manipulation::poseBetween(way.from_O, way.to_O, share);
+  const Eigen::Vector3d from = way.from_O.X_WH.translation() - middle_O_;
+  const Eigen::Vector3d to = way.to_O.X_WH.translation() - middle_O_;
+  const Eigen::AngleAxisd turn(Eigen::Quaterniond::FromTwoVectors(from, to));
+  const double farther =
+      kAway * std::sin(std::numbers::pi * share) * std::min(1.0, turn.angle());
+  const double distance = (1.0 - share) * from.norm() + share * to.norm() + farther;
+  pose.X_WH.translation() =
+      middle_O_ +
+      distance * (Eigen::AngleAxisd(share * turn.angle(), turn.axis()) * from.normalized());
+  return pose;
+}
+
+optimize::PoseProblem LiveFollower::problemTo(const hand::HandPose& goal_O) const {
+  optimize::PoseProblem single = problemNow();
+  single.pairs.clear();
+  hand::LinkPoses X_OL;
+  hand::forwardKinematics(*hand_.model, goal_O.X_WH, goal_O.q, X_OL);
+  for (std::size_t link = 0; link < X_OL.size(); ++link) {
+    optimize::PointPair pair;
+    pair.link = static_cast<int>(link);
+    pair.p_W = X_OL[link].translation();
+    pair.has_normals = false;
+    pair.weight = contact::kDefaultInterpolationCount;
+    single.pairs.push_back(pair);
+  }
+  return single;
+}
+
 std::optional<LiveFollower::Answer> LiveFollower::follow(
     double time_s,
     const Pose& X_WO,
     const std::vector<manipulation::DetectedContact>& touches,
+    const std::vector<contact::PartDirection>& posture,
     const Progress& progress) {
   requireLater(time_s);
   const double step_s = last_s_ ? time_s - *last_s_ : 0.0;
@@ -212,35 +326,29 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
 
   // === The pose
   if (!last_O_) {
-    if (touches_ < kTouchesToBegin) return std::nullopt;
     for (std::size_t i = 0; i < parts_.size(); ++i)
       parts_[i].presence = is_there[i];
-    optimize::SolveOptions solving;
-    solving.starts = kLiveStarts;
-    const optimize::PoseProblem first = problemNow();
-    if (first.pairs.empty()) return std::nullopt;
-    last_O_ = optimize::solve(first, solving, progress).pose;
-    solving.starts = 1;
-    for (int i = 0; i < kFirstSlides; ++i) {
-      slide(1.0);
-      last_O_ = optimize::solve(problemNow(), solving, progress).pose;
-    }
+    if (!begin(posture, progress)) return std::nullopt;
     solver_.begin(*last_O_);
   } else if (paused) {
     solver_.begin(*last_O_);
   }
+  if (!paused) lookAnew(time_s, step_s, posture, progress);
   // Of frames that are far apart in several steps: places follow the hand, and it them.
   const int steps =
       paused ? 1 : std::max(1, static_cast<int>(std::ceil(step_s / kLongestStep - 1e-6)));
   manipulation::CausalSolver::Step step;
   for (int i = steps - 1; i >= 0; --i) {
-    step = solver_.follow(time_s - i * step_s / steps, problemNow());
+    const double now_s = time_s - i * step_s / steps;
+    if (way_ && (paused || now_s > way_->begin_s + way_->duration_s)) way_.reset();
+    step = solver_.follow(now_s, way_ ? problemTo(poseOn(*way_, now_s)) : problemNow());
     last_O_ = step.pose;
-    slide(1.0 - std::exp(-std::max(0.0, step_s) / steps / kSlideTime));
+    if (!way_) slide(1.0 - std::exp(-std::max(0.0, step_s) / steps / kSlideTime));
   }
   Answer answer;
   answer.pose = {X_WO * step.pose.X_WH, step.pose.q};
   answer.touches = touches_;
+  answer.is_on_its_way = way_.has_value();
   answer.objective = step.objective;
   answer.evaluations = step.evaluations;
   answer.parts = fitsOf(touches, X_WO);

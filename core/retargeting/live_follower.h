@@ -21,14 +21,18 @@ namespace handgraft::retargeting {
 /// A hand that follows a demonstrator's, frame by frame as they come: where parts of the
 /// demonstrator's hand touch the object, the same parts of this hand do (ContactTracker), by
 /// the causal solver, within limits and out of the object. Touches come and go within 60 ms.
-/// A hand of other proportions cannot show all of them where they are meant: places yield, along
-/// the link that they are on, to where the hand shows the touch.
+/// A hand of other proportions cannot show all of them where they are meant: places yield,
+/// along the link that they are on, to where the hand shows the touch.
+///
+/// A hand that is 12 mm off on average for a quarter of a second is lost: it is searched in the
+/// same way again, and where that is nearer by far it goes there, about the object, in 0.8 s.
 ///
 /// It begins with the first frame that touches with three parts: the best pose of that frame
-/// alone, from many starts. After a pause of 0.25 s, or where time has run backwards by as
-/// much, it goes on from where the hand is, at rest. One frame or two in which a joint jumps as
-/// no finger moves are passed over: what touched before them touches still.
-/// Deterministic. Cost: some tenths of a millisecond a frame, tens of milliseconds once.
+/// alone, from many starts, where these leave it open held as the demonstrator's hand is. After
+/// a pause of 0.25 s, or where time has run backwards by as much, it goes on from where the
+/// hand is, at rest. One frame or two in which a joint jumps as no finger moves are passed
+/// over: what touched before them touches still. Deterministic. Cost: some tenths of a
+/// millisecond a frame, tens of milliseconds once.
 class LiveFollower {
  public:
   static constexpr int kTouchesToBegin = 3;
@@ -53,8 +57,9 @@ class LiveFollower {
   };
 
   struct Answer {
-    hand::HandPose pose;  ///< in W: the hand's base where the object is now
-    int touches = 0;      ///< of the demonstrator
+    hand::HandPose pose;         ///< in W: the hand's base where the object is now
+    int touches = 0;             ///< of the demonstrator
+    bool is_on_its_way = false;  ///< to a better pose, which was found elsewhere
     double objective = 0.0;
     int evaluations = 0;
     std::vector<PartFit> parts;  ///< of these touches that have a place on this hand
@@ -72,6 +77,7 @@ class LiveFollower {
   std::optional<Answer> follow(double time_s,
                                const Pose& X_WO,
                                const std::vector<manipulation::DetectedContact>& touches,
+                               const std::vector<contact::PartDirection>& posture,
                                const Progress& progress);
 
   /// Of the demonstrator's last frame.
@@ -99,6 +105,15 @@ class LiveFollower {
     auto operator<=>(const PlaceKey&) const = default;
   };
 
+  /// About the object, away from it in between.
+  struct Way {
+    hand::HandPose from_O;
+    hand::HandPose to_O;
+    double begin_s = 0.0;
+    double duration_s = 0.0;
+  };
+
+  [[nodiscard]] hand::HandPose poseOn(const Way& way, double time_s) const;
   void requireLater(double time_s) const;
   [[nodiscard]] bool jumps(const manipulation::DemonstratedFrame& frame) const;
   void meet(const manipulation::DetectedContact& touch);
@@ -106,6 +121,14 @@ class LiveFollower {
   [[nodiscard]] optimize::PointPair pairOf(std::size_t part) const;
   std::optional<hand::LinkPoint> spotOf(const manipulation::DetectedContact& touch);
   [[nodiscard]] optimize::PoseProblem problemNow() const;
+  [[nodiscard]] optimize::PoseProblem problemTo(const hand::HandPose& goal_O) const;
+  bool begin(const std::vector<contact::PartDirection>& posture, const Progress& progress);
+  void search(const std::vector<contact::PartDirection>& posture, const Progress& progress);
+  void lookAnew(double time_s,
+                double step_s,
+                const std::vector<contact::PartDirection>& posture,
+                const Progress& progress);
+  [[nodiscard]] double meanDistance() const;
   [[nodiscard]] std::vector<PartFit> fitsOf(
       const std::vector<manipulation::DetectedContact>& touches, const Pose& X_WO) const;
 
@@ -117,6 +140,7 @@ class LiveFollower {
   manipulation::ContactTracker tracker_;
   manipulation::CausalSolver solver_;
   std::shared_ptr<const placement::SkinFaces> faces_;
+  Eigen::Vector3d middle_O_;  // of the object
   std::vector<TouchingPart> parts_;
   std::map<PlaceKey, std::optional<hand::LinkPoint>> spots_;
   /// The last frame that did not jump, and how many have since.
@@ -126,6 +150,9 @@ class LiveFollower {
   int touches_ = 0;
   std::optional<double> last_s_;
   std::optional<hand::HandPose> last_O_;  // once it has begun
+  double lost_s_ = 0.0;                   // how long it has missed what is touched
+  double search_from_s_ = 0.0;            // not searched again before
+  std::optional<Way> way_;                // to a better pose that was found far from the hand
 };
 
 }  // namespace handgraft::retargeting

@@ -22,6 +22,7 @@
 #include "core/session/session.h"
 
 #include "tests/bench/chain_pair.h"
+#include "tests/bench/motions/live_motions.h"
 #include "tests/bench/motions/mjcf_hand.h"
 #include "tests/bench/retargeting/fingertips.h"
 #include "tests/bench/timing.h"
@@ -305,6 +306,11 @@ void runHumanMotions(const fs::path& data,
   for (const HumanSequence& sequence : sequences)
     for (const hand::Hand& hand : hands)
       follow(sequence, human, tips, hand, with_baselines);
+  printLiveHeading();
+  for (const HumanSequence& sequence : sequences)
+    for (const hand::Hand& hand : hands)
+      printLive(retargeting::graspOf(sequence.motion, *sequence.object_O), sequence.frames,
+                sequence.object_O, human, hand);
 }
 
 }  // namespace handgraft::bench
