@@ -259,6 +259,9 @@ int check(const BringUp& told) {
   person.is_held = [&] {
     return !stop_requested && terminal.isHeld();
   };
+  person.has_left = [&] {
+    return stop_requested || terminal.hasEnded();
+  };
   const bringup::Findings findings = bringup::check(
       config, makeOnItsPort, std::chrono::steady_clock::now,
       [](devices::TimePoint time) {

@@ -9,6 +9,7 @@
 #include "hardware/bridge/calibration_keeper.h"
 #include "hardware/bridge/command_filter.h"
 #include "hardware/bridge/duplicate_bridge_monitor.h"
+#include "hardware/bridge/follower_joints.h"
 #include "hardware/bridge/hand_choice.h"
 #include "hardware/bridge/inbox.h"
 #include "hardware/bridge/motion_thread.h"
@@ -227,7 +228,8 @@ struct Bridge::Impl {
 
   // After poses: samples are the newer word.
   void takeSamples(Clock::time_point now) {
-    trajectories.take([&](std::uint64_t session, const TrajectoryFeed::Message& message) {
+    trajectories.take([&](std::uint64_t session, const TrajectoryFeed::Message& told) {
+      const TrajectoryFeed::Message message = withLed(told);
       const std::int64_t system_ns = systemTimeOf(now).count();
       const std::optional<StreamFeed::Heard> heard = feed.hear(session, system_ns);
       if (!heard) return;
@@ -246,6 +248,17 @@ struct Bridge::Impl {
         motion->offer(pose);
       }
     });
+  }
+
+  [[nodiscard]] TrajectoryFeed::Message withLed(const TrajectoryFeed::Message& told) const {
+    TrajectoryFeed::Message message = told;
+    if (!options.config) return message;
+    const std::vector<LedJoint> led = ledJoints(*options.config, told.joint_names());
+    for (auto& point : message.points())
+      appendLed(led, told.joint_names().size(), point.positions());
+    for (const LedJoint& joint : led)
+      message.joint_names().push_back(joint.name);
+    return message;
   }
 
   // A stream begins with a pose, by which its hand is found.
@@ -302,6 +315,12 @@ struct Bridge::Impl {
     told.arrived = waiting_since;
     told.names = std::move(pose.pose.names);
     told.joint_rad = std::move(pose.pose.joint_rad);
+    if (options.config) {
+      const std::vector<LedJoint> led = ledJoints(*options.config, told.names);
+      appendLed(led, told.names.size(), told.joint_rad);
+      for (const LedJoint& joint : led)
+        told.names.push_back(joint.name);
+    }
     motion->offer(std::move(told));
   }
 

@@ -113,7 +113,14 @@ std::string differencesOf(const v1::HandDescription& description,
           quoted(joint.name()), limits.lower, limits.upper, joint.lower(), joint.upper()));
     }
   }
-  for (const std::string& name : names) {
+  const auto& followers = config.transmission.followers;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string& name = names[i];
+    // A server knows it by its leader.
+    const bool is_led = std::any_of(followers.begin(), followers.end(), [i](const auto& each) {
+      return each.joint == i;
+    });
+    if (is_led) continue;
     const auto& joints = description.joints();
     const bool is_there =
         std::any_of(joints.begin(), joints.end(), [&](const v1::JointInfo& j) {

@@ -115,8 +115,10 @@ class Walk {
         return jogger(i).turn(step_rad, person_.is_held).was_let_go;
       });
     };
-    while (is_let_go())
+    while (is_let_go()) {
+      if (person_.has_left()) throw Left{};
       person_.say("it was let go; once more: hold the space bar");
+    }
   }
 
   void walkMotor(std::size_t i) {

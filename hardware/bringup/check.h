@@ -15,6 +15,10 @@ struct Operator {
   /// A line, without its end; nothing when there is nobody any more.
   std::function<std::optional<std::string>(const std::string& question)> ask;
   IsHeld is_held;
+  /// There is nobody any more, or whoever is there wants to end.
+  std::function<bool()> has_left = [] {
+    return false;
+  };
 };
 
 struct MotorFinding {

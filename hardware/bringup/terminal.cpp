@@ -65,7 +65,7 @@ std::optional<std::string> Terminal::readLine() {
 
 std::optional<std::string> Terminal::ask(const std::string& question) {
   setRaw(false);
-  is_script_holding_ = has_asked_script_ = false;
+  is_script_holding_ = false;
   pressed_.reset();
   say(question);
   return readLine();
@@ -73,10 +73,7 @@ std::optional<std::string> Terminal::ask(const std::string& question) {
 
 bool Terminal::isHeld() {
   if (!is_tty_) {
-    if (!has_asked_script_) {
-      has_asked_script_ = true;
-      is_script_holding_ = readLine() == "hold";
-    }
+    if (!is_script_holding_) is_script_holding_ = readLine() == "hold";
     return is_script_holding_ && !has_ended_;
   }
   setRaw(true);
@@ -86,8 +83,9 @@ bool Terminal::isHeld() {
   pollfd input = {STDIN_FILENO, POLLIN, 0};
   if (poll(&input, 1, static_cast<int>(wait.count())) > 0) {
     std::array<char, 64> keys{};
-    if (::read(STDIN_FILENO, keys.data(), keys.size()) > 0)
-      pressed_ = std::chrono::steady_clock::now();
+    const ssize_t count = ::read(STDIN_FILENO, keys.data(), keys.size());
+    if (count > 0) pressed_ = std::chrono::steady_clock::now();
+    if (count == 0) has_ended_ = true;
   }
   return pressed_ && now - *pressed_ < kHeld;
 }

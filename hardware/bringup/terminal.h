@@ -7,7 +7,8 @@
 namespace handgraft::bringup {
 
 /// Who sits at standard input: answers lines, and holds the space bar as a dead-man's switch.
-/// Where it is no terminal but a script, the line "hold" holds until the next question.
+/// Where it is no terminal but a script, the line "hold" holds until the next question; another
+/// line lets go.
 class Terminal {
  public:
   Terminal();
@@ -24,6 +25,9 @@ class Terminal {
   /// A key was pressed within the last 0.7 s: as long as keyboards take until they repeat.
   bool isHeld();
 
+  /// The input came to its end.
+  [[nodiscard]] bool hasEnded() const { return has_ended_; }
+
  private:
   void setRaw(bool is_raw);
   std::optional<std::string> readLine();
@@ -31,7 +35,6 @@ class Terminal {
   bool is_tty_;
   bool is_raw_ = false;
   bool is_script_holding_ = false;
-  bool has_asked_script_ = false;
   bool has_ended_ = false;
   std::optional<std::chrono::steady_clock::time_point> pressed_;
   std::string rest_;  // read, not yet asked for

@@ -225,6 +225,24 @@ class GoodOperator {
   std::vector<double> before_;
 };
 
+TEST_P(BringUpOf, TheWalkEndsWhereNobodyHoldsAnyMore) {
+  Bench bench(made());
+  GoodOperator good(bench, 0.0);
+  Operator person = good.person();
+  person.is_held = [] {
+    return false;
+  };
+  int asked = 0;
+  person.has_left = [&asked] {
+    return ++asked > 2;
+  };
+  config::HandConfig found = bench.config;
+  const Findings findings = check(found, bench.maker(), bench.clock(), bench.sleeper(), person);
+  EXPECT_EQ(findings.trouble, "it was ended early");
+  EXPECT_FALSE(findings.isFine());
+  EXPECT_EQ(asked, 3) << "let go, and once more";
+}
+
 TEST_P(BringUpOf, TheWalkFindsZerosAndDirectionsAndEndsWell) {
   Bench bench(made());
   const bool has_zeros = GetParam().has_zeros;
