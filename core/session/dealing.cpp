@@ -215,13 +215,17 @@ Dealing dealFingers(const Models& models,
   for (Dealing& way : ways)
     way.insert(kept.begin(), kept.end());
   if (ways.empty()) ways = {same};
+  const bool has_choice = ways.size() > 1;
   Dealing best =
       bestOf(models, waysToLay(models, coordinates, places, ways, document), progress);
   for (const auto& [from, to] : best) {
     if (from == to) continue;
-    document.notes.push_back(fmt::format(
-        "{}'s contacts go to the hand's {}: {}so it reaches most", from, to,
-        missing.empty() ? "" : fmt::format("it has no {}, and ", fmt::join(missing, ", "))));
+    std::string why;
+    if (!missing.empty()) why = fmt::format("it has no {}", fmt::join(missing, ", "));
+    if (has_choice)
+      why += (why.empty() ? "" : ", and ") + std::string("of the ways tried this fits best");
+    document.notes.push_back(fmt::format("{}'s contacts go to the hand's {}{}{}", from, to,
+                                         why.empty() ? "" : ": ", why));
   }
   return best;
 }

@@ -116,10 +116,9 @@ void noteTheOtherSide(const Models& models, hand::Chirality of_hand, Document& d
   if (touched == Chirality::kUnknown || of_hand == Chirality::kUnknown || touched == of_hand)
     return;
   const bool is_right = touched == Chirality::kRight;
-  document.notes.push_back(
-      fmt::format("a {} hand touched, and this is a {} one, which reaches little of that: its "
-                  "mirror does (--mirror)",
-                  is_right ? "right" : "left", is_right ? "left" : "right"));
+  document.notes.push_back(fmt::format(
+      "a {} hand touched, and this is a {} one: its mirror may reach more (--mirror)",
+      is_right ? "right" : "left", is_right ? "left" : "right"));
 }
 
 }  // namespace
