@@ -148,6 +148,7 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   void touch() { last_used_ = now_().time_since_epoch().count(); }
 
   [[nodiscard]] SolveCycle::Clock::time_point now() const { return now_(); }
+
   [[nodiscard]] std::chrono::steady_clock::duration idle() const;
   /// What a session is warned of while nothing else is told of it.
   enum class Warning { kDemonstrator, kIdle };
