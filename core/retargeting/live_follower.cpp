@@ -170,7 +170,8 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   requireLater(frame.time_s);
   if (jumps(frame)) {
     ++jumped_;
-    return follow(frame.time_s, frame.X_WO, steady_touches_, {}, progress);
+    return follow(frame.time_s, frame.X_WO, steady_touches_, manipulation::postureOf(*steady_),
+                  progress);
   }
   steady_touches_ = tracker_.see(frame);
   steady_ = frame;
