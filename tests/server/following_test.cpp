@@ -123,6 +123,9 @@ TEST_F(FollowingTest, JointsThatSayNothingAreRefused) {
 TEST_F(FollowingTest, OneDemonstratorAtATime) {
   bus.send(joints(0.0, {0.1}));
   EXPECT_TRUE(becomes("of the 3 parts that a hand begins with"));
+  // The first one took its time: the hand was made ready. This is heard at once.
+  bus.send(joints(0.05, {std::nan("")}));
+  ASSERT_TRUE(becomes("one of them is not finite"));
   v1::DemonstratorFrame of_another = joints(0.1, {0.1});
   of_another.client({2});
   bus.send(of_another);
