@@ -19,6 +19,8 @@ using Edge = std::pair<int, int>;  // lower vertex first
 struct Soup {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Eigen::Vector3i> faces;
+  std::vector<int> given_face;  ///< per face, as in SolidsAndSheets; and so is the next
+  std::vector<char> is_turned;
 };
 
 Soup welded(const TriangleMesh& mesh) {
@@ -40,7 +42,9 @@ Soup welded(const TriangleMesh& mesh) {
     });
     if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) continue;
     soup.faces.push_back(face);
+    soup.given_face.push_back(f);
   }
+  soup.is_turned.assign(soup.faces.size(), 0);
   return soup;
 }
 
@@ -119,8 +123,11 @@ void orient(Soup& soup) {
     for (const int f : component)
       (turned[f] != 0 ? turned_area : kept_area) += areaOf(soup, soup.faces[f]);
     const char wrong = turned_area > kept_area ? 0 : 1;
-    for (const int f : component)
-      if (turned[f] == wrong) std::swap(soup.faces[f][1], soup.faces[f][2]);
+    for (const int f : component) {
+      if (turned[f] != wrong) continue;
+      std::swap(soup.faces[f][1], soup.faces[f][2]);
+      soup.is_turned[f] = 1;
+    }
   }
 }
 
@@ -189,6 +196,8 @@ std::vector<int> shutHoles(double widest, Soup& soup) {
                                      : Eigen::Vector3i(edge.first, edge.second, rim.tip);
     soup.faces.insert(soup.faces.end(), static_cast<std::size_t>(std::abs(surplus)), face);
   });
+  soup.given_face.resize(soup.faces.size(), -1);
+  soup.is_turned.resize(soup.faces.size(), 0);
   return open;
 }
 
@@ -203,11 +212,19 @@ int putLast(const std::vector<int>& vertices, Soup& soup) {
   std::vector<char> is_open(soup.vertices.size(), 0);
   for (const int v : vertices)
     is_open[rootOf(parents, v)] = 1;
-  const auto sheets = std::stable_partition(soup.faces.begin(), soup.faces.end(),
-                                            [&](const Eigen::Vector3i& face) {
-                                              return is_open[rootOf(parents, face[0])] == 0;
-                                            });
-  return static_cast<int>(sheets - soup.faces.begin());
+  std::vector<int> order(soup.faces.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto sheets = std::stable_partition(order.begin(), order.end(), [&](int f) {
+    return is_open[rootOf(parents, soup.faces[f][0])] == 0;
+  });
+  Soup parted{soup.vertices, {}, {}, {}};
+  for (const int f : order) {
+    parted.faces.push_back(soup.faces[f]);
+    parted.given_face.push_back(soup.given_face[f]);
+    parted.is_turned.push_back(soup.is_turned[f]);
+  }
+  soup = std::move(parted);
+  return static_cast<int>(sheets - order.begin());
 }
 
 TriangleMesh meshOf(const Soup& soup) {
@@ -233,6 +250,8 @@ SolidsAndSheets solidsAndSheets(const TriangleMesh& mesh, double widest_hole_m) 
   SolidsAndSheets result;
   result.solid_faces = open.empty() ? static_cast<int>(soup.faces.size()) : putLast(open, soup);
   result.mesh = meshOf(soup);
+  result.given_face = std::move(soup.given_face);
+  result.is_turned = std::move(soup.is_turned);
   return result;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "core/geometry/triangle_mesh.h"
 
 namespace handgraft::geometry {
@@ -20,6 +22,10 @@ TriangleMesh closedSurface(const TriangleMesh& mesh);
 struct SolidsAndSheets {
   TriangleMesh mesh;    ///< the solids' faces first
   int solid_faces = 0;  ///< so many; the others are sheets, open to both sides
+  /// Which of the given faces each one is, -1 for what shuts a hole.
+  std::vector<int> given_face;
+  /// Of each: 1 where its second and third corner have changed places.
+  std::vector<char> is_turned;
 };
 
 /// As `closedSurface`, but holes wider than `widest_hole_m` (the diameter of a disc of the same

@@ -161,7 +161,8 @@ SurfacePoint surfacePointFrom(const json& value,
       value.contains("triangle") ? integerFrom(value["triangle"], "triangle") : 0;
   SurfacePoint point;
   point.face = object.meshFace(integerFrom(fieldOf(value, "face"), "face"), triangle);
-  point.barycentric = vectorFrom(fieldOf(value, "barycentric"), "barycentric");
+  point.barycentric = object.swappedIfTurned(
+      point.face, vectorFrom(fieldOf(value, "barycentric"), "barycentric"));
   geometry::validate(object.file().mesh, point, name);
   return point;
 }

@@ -20,7 +20,7 @@ using nlohmann::json;
 json surfacePointJson(const SurfacePoint& point, const IndexedObject& object) {
   const int v = geometry::vertexAt(object.file().mesh, point);
   if (v >= 0) return {{"vertex", object.file().file_vertex[v]}};
-  const Eigen::Vector3d& b = point.barycentric;
+  const Eigen::Vector3d b = object.swappedIfTurned(point.face, point.barycentric);
   const int file_face = object.file().file_face[point.face];
   json value = {{"face", file_face}, {"barycentric", {b[0], b[1], b[2]}}};
   const int triangle = object.triangleOf(point.face);

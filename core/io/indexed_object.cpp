@@ -38,6 +38,13 @@ int IndexedObject::triangleOf(int mesh_face) const {
       std::lower_bound(first, triangles_.end(), std::pair(file_face, mesh_face)) - first);
 }
 
+Eigen::Vector3d IndexedObject::swappedIfTurned(int mesh_face,
+                                               const Eigen::Vector3d& barycentric) const {
+  if (file_.is_turned.empty() || file_.is_turned[static_cast<std::size_t>(mesh_face)] == 0)
+    return barycentric;
+  return {barycentric[0], barycentric[2], barycentric[1]};
+}
+
 geometry::SurfacePoint IndexedObject::nearest(const Eigen::Vector3d& p_O,
                                               const char* field) const {
   HANDGRAFT_REQUIRE(isCloud());

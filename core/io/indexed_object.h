@@ -29,6 +29,11 @@ class IndexedObject {
   /// Which triangle of its file's face a mesh face is.
   [[nodiscard]] int triangleOf(int mesh_face) const;
 
+  /// Weights of a mesh face's corners in the order of the file's triangle, and the way back:
+  /// they are the same.
+  [[nodiscard]] Eigen::Vector3d swappedIfTurned(int mesh_face,
+                                                const Eigen::Vector3d& barycentric) const;
+
   /// Where a point of a cloud lies on its surface. Errors: InvalidInput naming the field for
   /// points that are more than 5 mm away.
   [[nodiscard]] geometry::SurfacePoint nearest(const Eigen::Vector3d& p_O,

@@ -17,6 +17,9 @@ struct MeshFile {
   std::vector<int> mesh_vertex;
   /// Face of the file for every mesh face (faces that collapse in welding are dropped).
   std::vector<int> file_face;
+  /// 1 for mesh faces whose second and third corner the file lists the other way round
+  /// (`readObject`); empty if there are none.
+  std::vector<char> is_turned;
   /// "welded 49152 vertices to 8190", "dropped 3 faces without area".
   std::vector<std::string> notes;
   /// Points of a file without faces, in its order, 3 x N; then `mesh` is a surface laid through

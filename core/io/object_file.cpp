@@ -4,8 +4,12 @@
 #include <cctype>
 #include <iterator>
 #include <string>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/geometry/inward_faces.h"
 #include "core/geometry/kd_tree.h"
 #include "core/io/file_bytes.h"
 #include "core/io/ply_file.h"
@@ -38,10 +42,21 @@ bool has(const PlyFile& ply, std::initializer_list<const char*> properties) {
   });
 }
 
-MeshFile scaled(MeshFile file, const LengthScale& scale) {
+/// A file's mesh in metres, its faces to the outside.
+MeshFile asObject(MeshFile file, const LengthScale& scale) {
   const double factor = scale ? scale(file.mesh.diagonal()) : 1.0;
   if (factor != 1.0)
     file.mesh = geometry::transformed(file.mesh, Eigen::Affine3d(Eigen::Scaling(factor)));
+  file.is_turned = geometry::inwardFaces(file.mesh);
+  if (file.is_turned.empty()) return file;
+  file.mesh = geometry::withTurnedFaces(file.mesh, file.is_turned);
+  const auto count = std::count(file.is_turned.begin(), file.is_turned.end(), 1);
+  file.notes.push_back(
+      count == file.mesh.faceCount()
+          ? "turned all faces: they looked inwards"
+          : fmt::format("turned {} of {} faces, which looked inwards or disagreed with "
+                        "their neighbours",
+                        count, file.mesh.faceCount()));
   return file;
 }
 
@@ -51,11 +66,11 @@ MeshFile readObject(const std::filesystem::path& path,
                     const Progress& progress,
                     const cloud::SurfaceOptions& options,
                     const LengthScale& scale) {
-  if (!isNamedPly(path)) return scaled(readMesh(path), scale);
+  if (!isNamedPly(path)) return asObject(readMesh(path), scale);
   requireFile(path);
   const PlyFile ply = readPly(path);
   if (ply.faces.cols() > 0 || ply.vertex_count == 0 || !has(ply, {"x", "y", "z"}))
-    return scaled(readMesh(path), scale);
+    return asObject(readMesh(path), scale);
   cloud::PointCloud cloud;
   cloud.points_O = columns(ply, "x", "y", "z");
   if (scale && cloud.points_O.allFinite()) {
@@ -121,7 +136,11 @@ contact::ContactMap onSurface(const contact::ContactMap& points,
 }
 
 contact::ContactMap onFaces(contact::ContactMap map, const MeshFile& object) {
-  if (map.mesh_O.faceCount() > 0) return map;
+  if (map.mesh_O.faceCount() > 0) {
+    const std::vector<char> turned = geometry::inwardFaces(map.mesh_O);
+    if (!turned.empty()) map.mesh_O = geometry::withTurnedFaces(map.mesh_O, turned);
+    return map;
+  }
   if (object.cloud_O.cols() > 0) return onSurface(map, object.mesh, kReach);
   const cloud::CloudSurface surface = cloud::surfaceOf({map.mesh_O.vertices(), {}});
   return onSurface(map, surface.mesh_O, kReach);

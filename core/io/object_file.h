@@ -17,6 +17,7 @@ using LengthScale = std::function<double(double diagonal)>;
 /// An object: a mesh as `readMesh` reads it, or a PLY that lists points and no face, with or
 /// without normals `nx ny nz`, through which a surface is laid. Then `cloud_O` holds the file's
 /// points, the ways between indices are empty, and the notes say how true the surface is.
+/// Faces that look inwards (geometry/inward_faces.h) are turned, and a note says how many.
 ///
 /// Units: the file's, times what `scale` says. Errors: as `readMesh` and `cloud::surfaceOf`,
 /// naming the file, and those of `scale` as they are; Cancelled.
@@ -36,7 +37,8 @@ contact::ContactMap onSurface(const contact::ContactMap& points,
                               const geometry::TriangleMesh& mesh_O,
                               double most_reach_m);
 
-/// The map with faces: itself if it has some; else on the object's surface if the object is
+/// The map with faces: itself if it has some, those that look inwards turned as the object's
+/// are; else on the object's surface if the object is
 /// points, too, or on one laid through the map's points. Errors: as `onSurface` and
 /// `cloud::surfaceOf`.
 contact::ContactMap onFaces(contact::ContactMap map, const MeshFile& object);

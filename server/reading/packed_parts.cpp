@@ -209,6 +209,7 @@ void put(ByteWriter& out, const io::MeshFile& file) {
   put(out, file.file_vertex);
   put(out, file.mesh_vertex);
   put(out, file.file_face);
+  put(out, std::vector<int>(file.is_turned.begin(), file.is_turned.end()));
   put(out, file.notes);
   out.columns(file.cloud_O);
 }
@@ -219,6 +220,7 @@ io::MeshFile takeMeshFile(ByteReader& in) {
   file.file_vertex = takeInts(in);
   file.mesh_vertex = takeInts(in);
   file.file_face = takeInts(in);
+  const std::vector<int> turned = takeInts(in);
   file.notes = takeTexts(in);
   file.cloud_O = in.columns<Eigen::Matrix3Xd>(kMostVertices);
   requireAll(file.mesh.faceCount() > 0, "a mesh without faces");
@@ -229,13 +231,18 @@ io::MeshFile takeMeshFile(ByteReader& in) {
     });
   };
   if (file.cloud_O.cols() > 0) {
-    requireAll(file.file_vertex.empty() && file.mesh_vertex.empty() && file.file_face.empty(),
+    requireAll(file.file_vertex.empty() && file.mesh_vertex.empty() && file.file_face.empty() &&
+                   turned.empty(),
                "indices of a point cloud");
     return file;
   }
   requireAll(std::ssize(file.file_vertex) == file.mesh.vertexCount() &&
                  std::ssize(file.file_face) == file.mesh.faceCount(),
              "a list of indices of another length than its mesh");
+  requireAll(
+      (turned.empty() || std::ssize(turned) == file.mesh.faceCount()) && all_in(turned, 0, 2),
+      "turned faces that are not the mesh's");
+  file.is_turned.assign(turned.begin(), turned.end());
   requireAll(all_in(file.file_vertex, 0, std::ssize(file.mesh_vertex)) &&
                  all_in(file.mesh_vertex, -1, file.mesh.vertexCount()) &&
                  all_in(file.file_face, 0, std::numeric_limits<int>::max()),

@@ -114,6 +114,7 @@ TEST(Packed, ObjectsAndContactsComeBackAsTheyWere) {
     EXPECT_EQ(read.file_vertex, back.file_vertex);
     EXPECT_EQ(read.mesh_vertex, back.mesh_vertex);
     EXPECT_EQ(read.file_face, back.file_face);
+    EXPECT_EQ(read.is_turned, back.is_turned);
 
     const ReadRequest request =
         mapRequest(models / "contacts" / (std::string(set) + ".json"), object);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -51,6 +52,44 @@ TEST(ObjectFile, LaysASurfaceThroughPoints) {
   EXPECT_EQ(object.cloud_O.cols(), 2562);
   EXPECT_THAT(object.notes, Contains(HasSubstr("surface of 2562 points")));
   EXPECT_THAT(object.notes, Contains(HasSubstr("the points are")));
+}
+
+/// A box with corners as they should be, or each face the other way round, as some scanners
+/// write them; a place on it in the file's own order.
+TEST(ObjectFile, TurnsAMeshThatIsInsideOut) {
+  const geometry::TriangleMesh box = geometry::makeBox({0.06, 0.05, 0.04});
+  const auto text_of = [&](bool is_turned) {
+    std::string text;
+    for (int v = 0; v < box.vertexCount(); ++v)
+      text +=
+          fmt::format("v {} {} {}\n", box.vertex(v).x(), box.vertex(v).y(), box.vertex(v).z());
+    for (int f = 0; f < box.faceCount(); ++f) {
+      const Eigen::Vector3i face = box.face(f);
+      text += fmt::format("f {} {} {}\n", face[0] + 1, face[is_turned ? 2 : 1] + 1,
+                          face[is_turned ? 1 : 2] + 1);
+    }
+    return text;
+  };
+  const MeshFile right = readObject(write("right.obj", text_of(false)));
+  const MeshFile turned = readObject(write("turned.obj", text_of(true)));
+  EXPECT_EQ(turned.mesh.faces(), right.mesh.faces());
+  EXPECT_TRUE(right.is_turned.empty());
+  EXPECT_THAT(turned.notes, Contains(HasSubstr("turned all faces: they looked inwards")));
+
+  const std::string set = fmt::format(
+      R"({{"format": "handgraft-contacts/1", "name": "s", "object": "turned",
+      "patches": [{{"name": "thumb", "root": {{"face": 3, "barycentric": [0.2, 0.3, 0.5]}},
+      "boundary": [{}]}}]}})",
+      fmt::join(box.face(3), ", "));
+  const contact::ContactSet contacts = readContactSet(write("s.json", set), turned);
+  const Eigen::Vector3i listed = box.face(3);  // the file has 0, 2, 1
+  EXPECT_TRUE(positionOf(turned.mesh, contacts.patches.front().root)
+                  .isApprox(0.2 * box.vertex(listed[0]) + 0.3 * box.vertex(listed[2]) +
+                            0.5 * box.vertex(listed[1])));
+  EXPECT_THAT(contactSetText(contacts, turned), HasSubstr("0.2"));
+  const contact::ContactSet again =
+      readContactSet(write("again.json", contactSetText(contacts, turned)), turned);
+  EXPECT_EQ(again.patches.front().root.barycentric, contacts.patches.front().root.barycentric);
 }
 
 TEST(ObjectFile, CarriesAMapOfPointsOntoTheirSurface) {
