@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include <Eigen/Geometry>
@@ -21,7 +22,8 @@ constexpr double kPacking = 0.8;
 // Cosine: sides of a wall whose normals differ by less from opposite ones bound it.
 constexpr double kOpposite = -0.5;
 
-/// A place that may become a sample. Of an edge first, since thinning keeps what comes first.
+/// A place that may become a sample. Of corners first, then of edges, since thinning keeps what
+/// comes first.
 struct Candidate {
   Vector3d p;
   Vector3d n;
@@ -29,6 +31,21 @@ struct Candidate {
   bool is_sheet = false;
   bool is_edge = false;
 };
+
+/// Corners and tips: of a cone, say, whose sides meet at no sharp edge.
+void addCorners(const SignedDistance& exact, std::vector<Candidate>& candidates) {
+  const TriangleMesh& mesh = exact.surface();
+  for (int v = 0; v < mesh.vertexCount(); ++v) {
+    if (mesh.isBoundaryVertex(v) || mesh.outgoingBegin(v) == mesh.outgoingEnd(v)) continue;
+    if (2.0 * std::numbers::pi - mesh.angleSum(v) < Walls::kSharp) continue;
+    Candidate candidate;
+    candidate.p = mesh.vertex(v);
+    candidate.n = mesh.vertexNormals().col(v);
+    candidate.is_sheet = exact.isSheet(TriangleMesh::faceOf(*mesh.outgoingBegin(v)));
+    candidate.is_edge = true;
+    candidates.push_back(candidate);
+  }
+}
 
 void addEdges(const SignedDistance& exact, double spacing, std::vector<Candidate>& candidates) {
   const TriangleMesh& mesh = exact.surface();
@@ -153,6 +170,7 @@ Walls::Walls(const SignedDistance& exact, const Options& options, const Progress
   const double spacing =
       std::max(options.spacing_m, std::sqrt(area / (kPacking * options.most_samples)));
   std::vector<Candidate> candidates;
+  addCorners(exact, candidates);
   addEdges(exact, 0.5 * spacing, candidates);
   addFaces(exact, spacing, candidates);
   progress.checkpoint();

@@ -22,7 +22,8 @@ struct WallSample {
 /// Where an object is so thin or so sharp that its inside does not say how deep another body
 /// lies in it: samples of its surface, to be looked for in that body.
 ///
-/// A wall is thin below kThin; edges count where faces meet at more than kSharp.
+/// A wall is thin below kThin; edges count where faces meet at more than kSharp, corners and
+/// tips where the faces around them leave out as much of a full turn.
 /// Deterministic; const and safe from several threads.
 class Walls {
  public:

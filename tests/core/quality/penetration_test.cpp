@@ -125,6 +125,39 @@ TEST(Penetration, HasTheVolumeThatTwoBoxesShare) {
   }
 }
 
+/// Tips between the samples of a flat link, where no edge of them is sharp.
+TEST(Penetration, OfATipIsToldWhereverItMeetsALink) {
+  constexpr double kDeep = 0.002;
+  constexpr double kHeight = 0.12;
+  constexpr int kSides = 96;
+  Eigen::Matrix3Xd vertices(3, kSides + 2);
+  Eigen::Matrix3Xi faces(3, 2 * kSides);
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kSides;
+    vertices.col(i) << 0.06 * std::cos(angle), 0.06 * std::sin(angle), 0.0;
+    faces.col(2 * i) << i, (i + 1) % kSides, kSides;
+    faces.col(2 * i + 1) << (i + 1) % kSides, i, kSides + 1;
+  }
+  vertices.col(kSides) << 0.0, 0.0, kHeight;
+  vertices.col(kSides + 1).setZero();
+  const auto cone_O = solidOf({vertices, faces});
+
+  const Vector3d size(0.05, 0.04, 0.03);
+  std::vector<hand::Link> links(1);
+  links[0].name = "box";
+  links[0].visuals = {{geometry::makeBox(size), "box"}};
+  const hand::HandModel model("box", links, {});
+  const hand::Skin skin(model, links[0].visuals[0].mesh_L, Eigen::VectorXd(), 0.004);
+  const hand::HandSolid solid(model, skin, Progress());
+  const hand::HandPose pose{Pose::Identity(), Eigen::VectorXd()};
+  for (const double x : {-0.011, 0.0, 0.0013, 0.0049}) {
+    Pose X_WO = Pose::Identity();
+    X_WO.translation() << x, 0.37 * x, -0.5 * size.z() - kHeight + kDeep;
+    EXPECT_NEAR(measurePenetration(model, solid, *cone_O, X_WO, pose).max_depth_m, kDeep, 1e-4)
+        << x;
+  }
+}
+
 // === Walls: the first ball of the chain, of radius r, its centre at height h over them
 
 /// A rectangle of one layer in the plane y = 0, in small triangles.
