@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,9 +20,6 @@ namespace handgraft::session {
 namespace {
 
 constexpr int kShortStarts = 4;
-// A short search is wrong by so many patches (DECISIONS.md).
-constexpr std::ptrdiff_t kInDoubt = 1;
-constexpr int kFullStarts = 8;
 
 constexpr std::array<const char*, 5> kOrder{"thumb", "index", "middle", "ring", "little"};
 
@@ -92,8 +90,9 @@ std::vector<std::string> digitsIn(const PlacesOfPatches& places) {
   return digits;
 }
 
-/// Patches, and the objective: less is better.
-using Lack = std::pair<std::ptrdiff_t, double>;
+/// Patches that an answer lacks, those that are dropped of them, and the objective: less is
+/// better. Of as many, what is missed may be reached yet, what is dropped never.
+using Lack = std::tuple<std::ptrdiff_t, std::ptrdiff_t, double>;
 
 /// A way to deal, and what comes of it.
 struct Way {
@@ -116,32 +115,39 @@ std::vector<Way> waysToLay(const Models& models,
   return ways;
 }
 
-/// What an answer lacks: patches that are dropped or missed, and of as many the objective.
+std::ptrdiff_t droppedPatches(const Document& document) {
+  return std::count_if(document.patches.begin(), document.patches.end(),
+                       [](const DocumentPatch& patch) {
+                         return !patch.placement;
+                       });
+}
+
 Lack lackOf(const Solution& solution) {
-  const std::vector<DocumentPatch>& patches = solution.document.patches;
-  const auto dropped =
-      std::count_if(patches.begin(), patches.end(), [](const DocumentPatch& patch) {
-        return !patch.placement;
-      });
-  return {dropped + failedPatches(solution.problem, solution.report),
+  const std::ptrdiff_t dropped = droppedPatches(solution.document);
+  return {dropped + failedPatches(solution.problem, solution.report), dropped,
           solution.report.terms.objective};
 }
 
-/// What comes of the first `count` ways by `solve`, the best of them put first; a way that
-/// leaves no point comes to nothing.
+/// What comes of each way by `solve`, the best of them put first; a way that leaves no point
+/// comes to nothing. Ways that drop more patches than another one lacks are not looked at.
 template <class Solve>
-void judge(std::vector<Way>& ways, std::size_t count, const Solve& solve) {
-  const auto judged = ways.begin() + static_cast<std::ptrdiff_t>(std::min(count, ways.size()));
-  for (auto way = ways.begin(); way != judged; ++way) {
+void judge(std::vector<Way>& ways, const Solve& solve) {
+  std::ptrdiff_t least = std::numeric_limits<std::ptrdiff_t>::max();
+  for (Way& way : ways) {
+    const std::ptrdiff_t dropped = droppedPatches(way.document);
+    way.lack = {std::ssize(way.document.patches), dropped,
+                std::numeric_limits<double>::infinity()};
+    if (dropped > least) continue;
     try {
-      const Solution solution = solve(way->document);
-      way->lack = lackOf(solution);
-      way->reaches_all = failedPatches(solution.problem, solution.report) == 0;
+      const Solution solution = solve(way.document);
+      way.lack = lackOf(solution);
+      way.reaches_all = failedPatches(solution.problem, solution.report) == 0;
     } catch (const InvalidInput&) {
-      way->lack = {std::ssize(way->document.patches), std::numeric_limits<double>::infinity()};
+      continue;
     }
+    least = std::min(least, std::get<0>(way.lack));
   }
-  std::stable_sort(ways.begin(), judged, [](const Way& a, const Way& b) {
+  std::stable_sort(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
     return a.lack < b.lack;
   });
 }
@@ -158,22 +164,19 @@ std::shared_ptr<ModelCache> cacheOf(const Models& models, const Document& docume
 }
 
 /// The way that lacks least: by a short search, and where that misses any, by a full one of
-/// those that come near the best.
+/// each, since the short one is no guide then (DECISIONS.md).
 Dealing bestOf(const Models& models, std::vector<Way> ways, const Progress& progress) {
   if (ways.size() == 1) return ways.front().dealing;
   DerivedState derived(cacheOf(models, ways.front().document));
   SolverSettings solving = ways.front().document.solving;
   solving.starts = kShortStarts;
-  judge(ways, ways.size(), [&](const Document& document) {
+  judge(ways, [&](const Document& document) {
     derived.follow(document, progress);
     return derived.solveRoughly(solving, progress);
   });
   if (ways.front().reaches_all) return ways.front().dealing;
-  const auto lost = std::find_if(ways.begin(), ways.end(), [&](const Way& way) {
-    return way.lack.first > ways.front().lack.first + kInDoubt;
-  });
-  solving.starts = kFullStarts;
-  judge(ways, static_cast<std::size_t>(lost - ways.begin()), [&](const Document& document) {
+  solving = ways.front().document.solving;
+  judge(ways, [&](const Document& document) {
     derived.follow(document, progress);
     return derived.solve(solving, {}, progress);
   });
