@@ -43,6 +43,11 @@ test::BallHand chainOfBalls() {
   return test::withBalls(HandModel("chain", links, joints), kRadius);
 }
 
+/// The balls' skin over links of other meshes.
+Skin skinOf(const test::BallHand& balls, const HandModel& model) {
+  return {model, balls.skin->mesh(), model.restPose(), 0.004};
+}
+
 /// On all sides alike; `tolerance` of the area.
 void expectSpreadOverBall(const SampleSet& set, double tolerance) {
   double area = 0.0;
@@ -152,7 +157,7 @@ TEST(HandSolid, TakesTheSkinWhereALinkIsAShell) {
     link.visuals[0].mesh_L =
         geometry::merged({ball, geometry::TriangleMesh(hollow.vertices(), faces)});
   const HandModel model("shells", links, balls.model->joints());
-  const HandSolid solid(model, *balls.skin, Progress());
+  const HandSolid solid(model, skinOf(balls, model), Progress());
   for (const LinkSolid& link : solid.links())
     EXPECT_NEAR(link.distance({0.004, 0, 0}), -0.006, 3e-4);
 }
@@ -167,9 +172,27 @@ TEST(HandSolid, TakesTheSkinWhereWallsStandWithinALink) {
   for (Link& link : links)
     link.visuals[0].mesh_L = geometry::merged(shells);
   const HandModel model("walls", links, balls.model->joints());
-  const HandSolid solid(model, *balls.skin, Progress());
+  const HandSolid solid(model, skinOf(balls, model), Progress());
   for (const LinkSolid& link : solid.links())
     EXPECT_NEAR(link.distance({0.004, 0, 0}), -0.006, 3e-4) << "a wall within is a way out";
+}
+
+// As a knuckle that its skin rounds off: no walls, hence no reason to doubt it.
+TEST(HandSolid, BelievesALinkThatLacksALittleOfItsSkin) {
+  const test::BallHand balls = chainOfBalls();
+  std::vector<Link> links = balls.model->links();
+  constexpr double kCut = 0.0065;  // m, of the ball's radius of 10 mm
+  Eigen::Matrix3Xd vertices = links[0].visuals[0].mesh_L.vertices();
+  vertices.row(0) = vertices.row(0).cwiseMin(kCut);
+  const geometry::TriangleMesh cut(vertices, links[0].visuals[0].mesh_L.faces());
+  for (Link& link : links)
+    link.visuals[0].mesh_L = cut;
+  const HandModel model("cut", links, balls.model->joints());
+  const HandSolid solid(model, skinOf(balls, model), Progress());
+  for (const LinkSolid& link : solid.links()) {
+    EXPECT_EQ(link.skin_offset, 0.0) << "its own surface";
+    EXPECT_NEAR(link.distance({0.009, 0, 0}), 0.009 - kCut, 3e-4);
+  }
 }
 
 /// One ball, its halves two links hinged in its middle; shells within are no solids of their
