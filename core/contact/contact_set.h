@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/contact/patch.h"
+#include "core/hand/digits.h"
 
 namespace handgraft::contact {
 
@@ -29,6 +30,8 @@ struct ContactSet {
   /// What the object is called; empty when the file does not say.
   std::string object;
   std::vector<Patch> patches;
+  /// Which hand touched, where its maker says.
+  hand::Chirality side = hand::Chirality::kUnknown;
   /// The posture of the hand that touched, touching or not; empty where nobody knows.
   std::vector<PartDirection> posture;
   /// Remarks of whoever made it ("dropped 2 specks below 30 mm2"), shown to the user.

@@ -64,6 +64,7 @@ std::optional<PartDirection> palmOver(const ContactSet& contacts,
 
 hand::Chirality touchingSide(const ContactSet& contacts,
                              const geometry::TriangleMesh& object_O) {
+  if (contacts.side != hand::Chirality::kUnknown) return contacts.side;
   const std::optional<PartDirection> own = palmIn(contacts);
   const std::optional<PartDirection> palm = own ? own : palmOver(contacts, object_O);
   if (!palm) return hand::Chirality::kUnknown;

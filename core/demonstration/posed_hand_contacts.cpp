@@ -202,6 +202,7 @@ PosedContacts contactsOfPosedHand(const hand::Hand& hand,
   }
   result.set = contact::segment(map, segmentation);
   result.set.posture = postureShownBy(posed);
+  result.set.side = sideOf(posed.coordinates.anatomy());
 
   // === Where on the hand each of them was
   std::map<std::string, int> patches_of_digit;

@@ -95,6 +95,7 @@ manipulation::Motion motionOfPosedHand(const hand::Hand& hand,
       PosedContacts contacts =
           contactsOfPosedHand(hand, frame.pose, object_O, frame.X_WO, options.reach,
                               options.segmentation, Progress());
+      motion.side = contacts.set.side;
       for (contact::Patch& patch : contacts.set.patches)
         parts[patch.name].emplace(static_cast<int>(cut), std::move(patch));
     } catch (const InvalidInput& error) {

@@ -249,10 +249,6 @@ Chirality sideByNames(const HandModel& model) {
   return right > 0 ? Chirality::kRight : Chirality::kLeft;
 }
 
-const char* wordFor(Chirality side) {
-  return side == Chirality::kRight ? "right" : "left";
-}
-
 }  // namespace
 
 double NamedDigit::length() const {
@@ -267,6 +263,12 @@ const NamedDigit* Anatomy::maybeDigit(const std::string& name) const {
     return digit.name == name;
   });
   return found == digits.end() ? nullptr : &*found;
+}
+
+Chirality sideOf(const Anatomy& anatomy) {
+  const bool is_told =
+      anatomy.digits.size() > kClawDigits || anatomy.named_side == anatomy.chirality;
+  return is_told ? anatomy.chirality : Chirality::kUnknown;
 }
 
 std::vector<std::string> segmentNames(std::size_t count) {
@@ -346,10 +348,11 @@ Anatomy anatomyOf(const HandModel& model,
   if (anatomy.palm) turnThumbToFingers(model, X_SL, anatomy);
 
   const Chirality told = sideByNames(model);
+  anatomy.named_side = told;
   if (told != Chirality::kUnknown && anatomy.chirality != Chirality::kUnknown &&
       told != anatomy.chirality) {
     anatomy.side_note = fmt::format("its names say a {} hand; its palm is a {} one's",
-                                    wordFor(told), wordFor(anatomy.chirality));
+                                    nameOf(told), nameOf(anatomy.chirality));
   }
   if (anatomy.chirality == Chirality::kUnknown) anatomy.chirality = told;
   return anatomy;

@@ -61,12 +61,16 @@ struct Anatomy {
   std::optional<Palm> palm;
   std::vector<int> palm_links;  ///< also where `palm` is missing
   Chirality chirality = Chirality::kUnknown;
-  std::vector<std::string> notes;  ///< what names do not say or contradict
+  Chirality named_side = Chirality::kUnknown;  ///< what most names of the file say
+  std::vector<std::string> notes;              ///< what names do not say or contradict
   /// Where names say the other side than the palm does; a mirrored hand's do.
   std::string side_note;
 
   [[nodiscard]] const NamedDigit* maybeDigit(const std::string& name) const;
 };
+
+/// Which hand it is. A claw is as good for either side, unless its maker says which one it is.
+Chirality sideOf(const Anatomy& anatomy);
 
 /// `distal`; `proximal`, `distal`; `proximal`, `middle`, `distal`; with more, `middle_2`, ...
 std::vector<std::string> segmentNames(std::size_t count);

@@ -4,9 +4,28 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/error.h"
 #include "core/hand/part_words.h"
 
 namespace handgraft::hand {
+
+const char* nameOf(Chirality side) {
+  switch (side) {
+    case Chirality::kUnknown:
+      return "";
+    case Chirality::kRight:
+      return "right";
+    case Chirality::kLeft:
+      return "left";
+  }
+  throw BrokenContract("a side of no hand");
+}
+
+Chirality sideNamed(const std::string& text, const char* field) {
+  for (const Chirality side : {Chirality::kRight, Chirality::kLeft})
+    if (text == nameOf(side)) return side;
+  rejectInput("field '{}' is {}; permitted are 'right' and 'left'", field, quoted(text));
+}
 
 namespace {
 

@@ -58,6 +58,12 @@ inline constexpr std::size_t kClawDigits = 3;
 
 enum class Chirality { kUnknown, kRight, kLeft };
 
+/// "right", "left"; "" for unknown.
+const char* nameOf(Chirality side);
+
+/// The way back. Errors: InvalidInput naming the field for another text than those.
+Chirality sideNamed(const std::string& text, const char* field);
+
 /// What the digits of a hand are called, and how that is known.
 struct DigitNames {
   std::vector<std::string> names;  ///< of each digit

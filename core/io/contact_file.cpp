@@ -283,13 +283,16 @@ ContactSet contactSetFrom(const json& root, const MeshFile& object_file) {
     rejectInput("format is {}; expected '{}' or '{}'", quoted(format), kContactsFormat,
                 kContactsFormatWithPlaces);
   }
-  requireKnownKeys(root, {"format", "name", "object", "patches", "posture", "notes"});
-  if (format == kContactsFormat && root.contains("posture"))
-    rejectInput("field 'posture' needs format '{}'", kContactsFormatWithPlaces);
+  requireKnownKeys(root, {"format", "name", "object", "side", "patches", "posture", "notes"});
+  for (const char* field : {"posture", "side"})
+    if (format == kContactsFormat && root.contains(field))
+      rejectInput("field '{}' needs format '{}'", field, kContactsFormatWithPlaces);
 
   ContactSet set;
   set.name = nameFrom(fieldOf(root, "name"), "name");
   if (root.contains("object")) set.object = nameFrom(root["object"], "object");
+  if (root.contains("side"))
+    set.side = hand::sideNamed(stringFrom(root["side"], "side"), "side");
   const json& patches = arrayFrom(fieldOf(root, "patches"), "patches");
   if (patches.empty()) rejectInput("field 'patches' is empty; at least one patch is needed");
   if (patches.size() > contact::kMostPatches) {

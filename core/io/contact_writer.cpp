@@ -82,11 +82,13 @@ std::string contactSetText(const ContactSet& set, const MeshFile& object_file) {
   const bool has_places = std::any_of(set.patches.begin(), set.patches.end(), [](auto& patch) {
     return patch.place.has_value();
   });
-  const bool is_second = has_places || !set.posture.empty();
+  const bool has_side = set.side != hand::Chirality::kUnknown;
+  const bool is_second = has_places || has_side || !set.posture.empty();
   json root = {{"format", is_second ? kContactsFormatWithPlaces : kContactsFormat},
                {"name", set.name},
                {"patches", std::move(patches)}};
   if (!set.object.empty()) root["object"] = set.object;
+  if (has_side) root["side"] = nameOf(set.side);
   if (!set.posture.empty()) root["posture"] = postureJson(set.posture);
   if (!set.notes.empty()) root["notes"] = set.notes;
   // Names may hold any bytes; what is no UTF-8 is replaced rather than refused.

@@ -172,13 +172,14 @@ PatchTrack trackFrom(const json& value, const SurfaceLocator& object_O) {
 Motion motionFrom(const json& root, const geometry::TriangleMesh& mesh_O) {
   const Fields fields(
       root, "the file",
-      {"format", "name", "object", "hand", "time_s", "object_pose", "tracks", "notes"});
+      {"format", "name", "object", "side", "hand", "time_s", "object_pose", "tracks", "notes"});
   if (const std::string format = fields.text("format"); format != kMotionFormat)
     rejectInput("field 'format' is {}; it must be '{}'", quoted(format), kMotionFormat);
   const SurfaceLocator object_O(mesh_O);
   Motion motion;
   motion.name = fields.text("name");
   motion.object = fields.text("object");
+  if (fields.has("side")) motion.side = hand::sideNamed(fields.text("side"), "side");
   motion.hand = fields.text("hand");
   for (const json& time : fields.list("time_s")) {
     if (!time.is_number())
@@ -252,6 +253,7 @@ Motion readMotion(const std::filesystem::path& path, const geometry::TriangleMes
 std::string motionText(const Motion& motion, const geometry::TriangleMesh& object_O) {
   validate(object_O, motion);
   json root = {{"format", kMotionFormat}, {"name", motion.name}, {"object", motion.object}};
+  if (motion.side != hand::Chirality::kUnknown) root["side"] = nameOf(motion.side);
   if (!motion.hand.empty()) root["hand"] = motion.hand;
   if (!motion.notes.empty()) root["notes"] = motion.notes;
   root["time_s"] = motion.time_s;

@@ -271,6 +271,8 @@ Motion motionOfDemonstration(const std::vector<DemonstratedFrame>& frames,
   }
   Motion motion = std::move(tracks).finish();
   if (motion.tracks.empty()) rejectUntouched(frames, object_O);
+  motion.side = frames.front().side == hand::HandSide::kLeft ? hand::Chirality::kLeft
+                                                             : hand::Chirality::kRight;
   validate(object_O, motion);
   return motion;
 }

@@ -100,6 +100,7 @@ Motion interpolateGrasps(const geometry::TriangleMesh& object_O,
   Motion motion;
   motion.name = first.name;
   motion.object = first.object;
+  motion.side = first.side;
   const double duration = path.back().time_s - path.front().time_s;
   const int frames = static_cast<int>(std::lround(options.rate * duration)) + 1;
   for (int k = 0; k < frames; ++k) {

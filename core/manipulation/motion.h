@@ -9,6 +9,7 @@
 #include "core/base/pose.h"
 #include "core/contact/patch.h"
 #include "core/geometry/triangle_mesh.h"
+#include "core/hand/digits.h"
 #include "core/transfer/patch_placement.h"
 
 namespace handgraft::manipulation {
@@ -56,7 +57,8 @@ int strideOf(const std::vector<double>& time_s, double seconds);
 /// Contacts and object over time: what a hand did, as far as another hand can do the same.
 struct Motion {
   std::string name;
-  std::string object;              ///< what it is called; empty where the source does not say
+  std::string object;  ///< what it is called; empty where the source does not say
+  hand::Chirality side = hand::Chirality::kUnknown;  ///< of the hand that touched, if told
   std::string hand;                ///< whose `hand_points` the keys have; empty: nobody's
   std::vector<double> time_s;      ///< of each frame, rising
   std::vector<Pose> X_WO;          ///< of each frame

@@ -23,6 +23,7 @@ ThinnedMotion thinned(const Motion& motion, int stride) {
   thin.motion.name = motion.name;
   thin.motion.object = motion.object;
   thin.motion.hand = motion.hand;
+  thin.motion.side = motion.side;
   for (const int k : thin.frames) {
     thin.motion.time_s.push_back(motion.time_s[static_cast<std::size_t>(k)]);
     thin.motion.X_WO.push_back(motion.X_WO[static_cast<std::size_t>(k)]);

@@ -129,6 +129,7 @@ std::vector<optimize::PointPair> MotionLayer::layKey(const Motion& motion,
   Motion alone;
   alone.name = motion.name;
   alone.hand = motion.hand;
+  alone.side = motion.side;
   alone.time_s = {0.0};
   alone.X_WO = {Pose::Identity()};
   PatchTrack one = motion.tracks[static_cast<std::size_t>(track)];

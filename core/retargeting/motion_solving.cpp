@@ -85,6 +85,7 @@ contact::ContactSet graspOf(const Motion& motion, const geometry::TriangleMesh& 
   contact::ContactSet grasp;
   grasp.name = motion.name;
   grasp.object = motion.object;
+  grasp.side = motion.side;
   grasp.notes = motion.notes;
   const geometry::SurfaceLocator locator(object_O);
   std::set<std::string> known;

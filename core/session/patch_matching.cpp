@@ -115,10 +115,9 @@ void noteTheOtherSide(const Models& models, hand::Chirality of_hand, Document& d
   using hand::Chirality;
   if (touched == Chirality::kUnknown || of_hand == Chirality::kUnknown || touched == of_hand)
     return;
-  const bool is_right = touched == Chirality::kRight;
   document.notes.push_back(fmt::format(
       "a {} hand touched, and this is a {} one: its mirror may reach more (--mirror)",
-      is_right ? "right" : "left", is_right ? "left" : "right"));
+      nameOf(touched), nameOf(of_hand)));
 }
 
 }  // namespace
@@ -127,9 +126,7 @@ void matchPatches(const Models& models, Document& document, const Progress& prog
   for (DocumentPatch& patch : document.patches)
     if (!patch.placement) patch.dropped.clear();
   const auto coordinates = hand::coordinatesOf(*models.hand);
-  // A claw takes what either hand touched.
-  if (coordinates->anatomy().digits.size() > hand::kClawDigits)
-    noteTheOtherSide(models, coordinates->anatomy().chirality, document);
+  noteTheOtherSide(models, sideOf(coordinates->anatomy()), document);
   const PlacesOfPatches places = placesIn(models, *coordinates, document);
   // Which finger takes whose patches depends on what else is to be reached.
   matchByName(*models.hand, places, document);

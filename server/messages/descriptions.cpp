@@ -69,11 +69,9 @@ void addFingers(v1::HandDescription& message, const hand::Hand& hand, bool is_mi
   for (const std::string& note : anatomy.notes)
     message.notes().push_back(note);
   if (!is_mirrored && !anatomy.side_note.empty()) message.notes().push_back(anatomy.side_note);
-  if (anatomy.chirality != hand::Chirality::kUnknown &&
-      anatomy.digits.size() > hand::kClawDigits) {
-    message.chirality(toMessage(anatomy.chirality));
-    message.notes().emplace_back(anatomy.chirality == hand::Chirality::kRight ? "a right hand"
-                                                                              : "a left hand");
+  if (const hand::Chirality side = sideOf(anatomy); side != hand::Chirality::kUnknown) {
+    message.chirality(toMessage(side));
+    message.notes().push_back(fmt::format("a {} hand", nameOf(side)));
   }
   const bool has_palm =
       std::any_of(hand.sites.begin(), hand.sites.end(), [](const hand::ContactSite& site) {

@@ -90,6 +90,16 @@ hand::Joint takeJoint(ByteReader& in) {
 
 // === Contacts
 
+void put(ByteWriter& out, hand::Chirality side) {
+  out.number(static_cast<std::uint8_t>(side));
+}
+
+hand::Chirality takeSide(ByteReader& in) {
+  const auto side = in.number<std::uint8_t>();
+  requireAll(side <= static_cast<std::uint8_t>(hand::Chirality::kLeft), "a side of no hand");
+  return static_cast<hand::Chirality>(side);
+}
+
 bool isUnitOrZero(const Eigen::Vector3d& v) {
   return v.isZero() || std::abs(v.norm() - 1.0) < 1e-6;
 }
@@ -337,6 +347,7 @@ std::vector<hand::NamedPose> takePoses(ByteReader& in, const hand::HandModel& mo
 void put(ByteWriter& out, const contact::ContactSet& set) {
   out.text(set.name);
   out.text(set.object);
+  put(out, set.side);
   out.count(set.patches.size());
   for (const contact::Patch& patch : set.patches)
     put(out, patch);
@@ -353,6 +364,7 @@ contact::ContactSet takeContactSet(ByteReader& in, const geometry::TriangleMesh&
   contact::ContactSet set;
   set.name = in.text();
   set.object = in.text();
+  set.side = takeSide(in);
   set.patches.resize(in.count(contact::kMostPatches, 4 * kSize));
   requireAll(!set.patches.empty(), "a contact set without patches");
   std::set<std::string> names;
@@ -402,6 +414,7 @@ contact::ContactMap takeContactMap(ByteReader& in) {
 void put(ByteWriter& out, const manipulation::Motion& motion) {
   out.text(motion.name);
   out.text(motion.object);
+  put(out, motion.side);
   out.text(motion.hand);
   out.count(motion.time_s.size());
   out.numbers(motion.time_s.data(), motion.time_s.size());
@@ -431,6 +444,7 @@ manipulation::Motion takeMotion(ByteReader& in, const geometry::TriangleMesh& me
   manipulation::Motion motion;
   motion.name = in.text();
   motion.object = in.text();
+  motion.side = takeSide(in);
   motion.hand = in.text();
   motion.time_s.resize(in.count(manipulation::kMostFrames, 13 * sizeof(double)));
   in.numbers(motion.time_s.data(), motion.time_s.size());

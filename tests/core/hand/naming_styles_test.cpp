@@ -12,6 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/error.h"
 #include "core/hand/anatomy.h"
 #include "core/hand/mirror.h"
 #include "core/hand/skin.h"
@@ -204,6 +205,7 @@ TEST(NamingStyles, AMirroredHandIsALeftOneAndContradictsItsNames) {
   expectDigits(style, kAsTheyAre, anatomy, left);
   EXPECT_EQ(anatomy.chirality, Chirality::kLeft);
   EXPECT_THAT(anatomy.side_note, HasSubstr("its names say a right hand"));
+  EXPECT_EQ(anatomy.named_side, Chirality::kRight);
   EXPECT_THAT(anatomy.notes, IsEmpty());
 }
 
@@ -340,6 +342,30 @@ INSTANTIATE_TEST_SUITE_P(
       });
       return stem;
     });
+
+// Both sides of a claw are alike, but for one whose maker says which it is.
+TEST(NamingStyles, AClawHasTheSideThatItsNamesSay) {
+  Anatomy claw;
+  claw.digits.resize(kClawDigits);
+  claw.chirality = Chirality::kLeft;
+  EXPECT_EQ(sideOf(claw), Chirality::kUnknown);
+  claw.named_side = Chirality::kLeft;
+  EXPECT_EQ(sideOf(claw), Chirality::kLeft);
+  claw.named_side = Chirality::kUnknown;
+  claw.digits.resize(kClawDigits + 1);
+  EXPECT_EQ(sideOf(claw), Chirality::kLeft);
+}
+
+TEST(NamingStyles, SidesAreNamedAndReadBack) {
+  for (const Chirality side : {Chirality::kRight, Chirality::kLeft})
+    EXPECT_EQ(sideNamed(nameOf(side), "side"), side);
+  try {
+    sideNamed("links", "side");
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), HasSubstr("field 'side' is 'links'; permitted are 'right' and "));
+  }
+}
 
 }  // namespace
 }  // namespace handgraft::hand

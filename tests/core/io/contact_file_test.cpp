@@ -137,11 +137,13 @@ TEST(ContactSetFile, KeepsPlacesOnTheHandThatTouched) {
 TEST(ContactSetFile, KeepsThePostureOfTheHandThatTouched) {
   const MeshFile object = backwardsPlate();
   ContactSet set = readContactSet(write("two.json", kSquareSet), object);
+  set.side = hand::Chirality::kLeft;
   set.posture = {{"palm", {0.0, 0.6, 0.8}, {1.0, 0.0, 0.0}},
                  {"index_middle", {0.0, 0.0, 1.0}, Eigen::Vector3d::Zero()}};
   const std::string text = contactSetText(set, object);
   EXPECT_THAT(text, HasSubstr("handgraft-contacts/2"));
   const ContactSet again = readContactSet(write("posture.json", text), object);
+  EXPECT_EQ(again.side, set.side);
   ASSERT_EQ(again.posture.size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(again.posture[i].part, set.posture[i].part);
@@ -175,7 +177,7 @@ TEST(ContactSetFile, FaultsNameFilePatchAndField) {
   refuses("\"format\"", "\"fromat\"", "'format' is missing");
   refuses("\"patches\": [", "\"notes\": [", "'patches' is missing");
   refuses("\"patches\"", "\"patch\"",
-          "field 'patch' is unknown; permitted are format name object patches posture notes");
+          "field 'patch' is unknown; permitted are format name object side patches posture notes");
   refuses("\"direction\"", "\"dirrection\"",
           "patch 'thumb': field 'dirrection' is unknown; permitted are name root direction");
   refuses("\"face\": 3", "\"face\": 3, \"baricentric\": 1",

@@ -142,10 +142,12 @@ TEST(MotionFile, ComesBackAsItWent) {
   motion.tracks[0].keys[1].hand_points.assign(3, {"index3", {0.01, 0.02, 0.03}});
   motion.tracks[0].keys[1].patch.weight = 2.0;
   motion.notes = {"made by hand"};
+  motion.side = hand::Chirality::kLeft;
   const Motion back = io::motionFromText(io::motionText(motion, ball()), ball());
   EXPECT_EQ(back.name, motion.name);
   EXPECT_EQ(back.time_s, motion.time_s);
   EXPECT_EQ(back.notes, motion.notes);
+  EXPECT_EQ(back.side, motion.side);
   ASSERT_EQ(back.X_WO.size(), motion.X_WO.size());
   for (std::size_t k = 0; k < back.X_WO.size(); ++k)
     EXPECT_TRUE(back.X_WO[k].isApprox(motion.X_WO[k], 1e-12)) << k;

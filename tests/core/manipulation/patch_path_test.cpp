@@ -143,7 +143,7 @@ TEST(Slid, IsWhereThePathEnds) {
 }
 
 TEST(JoinGrasps, SlidesWhatBothHaveAndFadesTheRest) {
-  contact::ContactSet first{"pull", "box", {}, {}, {}};
+  contact::ContactSet first{"pull", "box", {}, {}, {}, {}};
   first.patches = {patchAt(box(), {0.0, -0.05, 0.05}, Vector3d::UnitX()),
                    patchAt(box(), {0.0, 0.0, -0.05}, Vector3d::UnitX())};
   first.patches[1].name = "thumb";
@@ -172,8 +172,8 @@ TEST(JoinGrasps, SlidesWhatBothHaveAndFadesTheRest) {
 }
 
 TEST(JoinGrasps, NamesWhatIsWrong) {
-  contact::ContactSet set{
-      "pull", "box", {patchAt(box(), {0, 0, 0.05}, Vector3d::UnitX())}, {}, {}};
+  contact::ContactSet set{"pull", "box", {patchAt(box(), {0, 0, 0.05}, Vector3d::UnitX())},
+                          {},     {},    {}};
   const std::vector<ObjectKey> back = {{1.0, Pose::Identity()}, {0.5, Pose::Identity()}};
   try {
     interpolateGrasps(box(), set, set, back);
