@@ -373,7 +373,10 @@ PoseProblem DerivedState::problem(const SolverSettings& solving) const {
     const auto dof = static_cast<Eigen::Index>(i);
     problem.lower[dof] = joint.lower;
     problem.upper[dof] = joint.upper;
-    problem.start.q[dof] = std::min(std::max(start_.q[dof], joint.lower), joint.upper);
+    // Searches begin elsewhere, opened or guessed; what is locked stays where the document has
+    // it.
+    const double value = joint.locked ? document_.start.q[dof] : start_.q[dof];
+    problem.start.q[dof] = std::min(std::max(value, joint.lower), joint.upper);
     problem.locked[6 + i] = joint.locked;
     if (joint.soft_weight <= 0.0) continue;
     if (problem.prior_weights.size() != 0) problem.prior_weights[6 + dof] = 1.0;

@@ -1,4 +1,5 @@
 // Sessions on the built-in library, with real skins.
+#include <map>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -62,6 +63,33 @@ TEST(BuiltInGrasp, MoreStartsFindNothingWorse) {
   EXPECT_LE(failedPatches(more.problem, more.report),
             failedPatches(usual.problem, usual.report));
   EXPECT_GT(more.report.evaluations, usual.report.evaluations);
+}
+
+// A hand that ends deep in itself and in the object begins again opened: all joints went half
+// of the way to rest, what is locked with them.
+TEST(BuiltInGrasp, WhatIsLockedStaysWhereverASearchBegins) {
+  const io::MeshFile file = io::readMesh(libraryPath("objects/lemon.obj"));
+  const hand::Hand barrett = handOfLibrary("barrett8");
+  Session session(barrett, std::make_shared<const geometry::TriangleMesh>(file.mesh),
+                  io::readContactSet(libraryPath("contacts/lemon_3.json"), file),
+                  Pose::Identity(), {});
+  session.optimize({}, Progress());
+  const std::map<std::string, double> locked = {{"thumb_proximal_flex", 2.4},
+                                                {"index_spread", 1.57},
+                                                {"middle_spread", 1.57},
+                                                {"index_proximal_flex", 2.4},
+                                                {"middle_proximal_flex", 2.4}};
+  for (const auto& [joint, value] : locked)
+    session.apply(JointLockEdit{joint, true, value});
+  for (const int starts : {1, optimize::kDefaultStarts}) {
+    SolverSettings solving;
+    solving.starts = starts;
+    session.commit(session.solve(solving, {}, Progress()));
+    const hand::HandPose pose = session.document().start;
+    for (const auto& [joint, value] : locked) {
+      EXPECT_EQ(pose.q[barrett.model->dofIndex(joint)], value) << joint << ", " << starts;
+    }
+  }
 }
 
 class CupGraspTest : public ::testing::TestWithParam<const char*> {};
