@@ -180,6 +180,7 @@ struct Client::Impl {
   std::unique_ptr<PrivateServer> private_server;
   mutable std::mutex mutex;                ///< guards the pointer
   std::shared_ptr<Connection> connection;  ///< never null
+  std::shared_ptr<Connection> joining;     ///< one that looks for a server; of rejoin alone
 };
 
 Client::Client(ClientOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {
@@ -229,13 +230,16 @@ void Client::checkpoint() const {
 bool Client::rejoin() {
   constexpr milliseconds kPatience(2000);  // a server says once a second that it lives
   constexpr milliseconds kLook(20);
-  auto fresh = std::make_shared<Impl::Connection>(network());
+  // Kept from one attempt to the next: programs that are always new to each other may never
+  // meet.
+  if (impl_->joining == nullptr) impl_->joining = std::make_shared<Impl::Connection>(network());
   const auto until = std::chrono::steady_clock::now() + kPatience;
   while (!alive()) {
-    if (fresh->requester.waitForServer(kLook)) {
+    if (impl_->joining->requester.waitForServer(kLook)) {
+      std::shared_ptr<Impl::Connection> before = std::move(impl_->joining);
       {
         const std::lock_guard lock(impl_->mutex);
-        impl_->connection.swap(fresh);
+        impl_->connection.swap(before);
       }
       impl_->connection->requester.requireServer();
       return true;
@@ -245,6 +249,7 @@ bool Client::rejoin() {
     throw NoServer(fmt::format("handgraft-server on {} stopped answering",
                                handgraft::describe(network())));
   }
+  impl_->joining.reset();
   return false;
 }
 

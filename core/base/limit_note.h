@@ -12,7 +12,7 @@ struct JointRange {
 
 /// What to tell who set `limits`: angles that go round more than once seem to be degrees,
 /// travels of more than a metre millimetres. As far as `own` goes, the hand's file, all is
-/// meant. Empty: nothing to tell.
+/// meant; what the hand itself cannot do is told. Empty: nothing to tell.
 std::string limitNote(const std::string& joint,
                       bool slides,
                       const JointRange& limits,

@@ -61,10 +61,15 @@ Requester::Impl::~Impl() {
     waiting.erase(call->message.request_id());
     call->on_reply(gone);
   }
-  for (auto* calls : {&edit_calls, &waiting_edits}) {
+  // A server that comes back may have done what was sent, or may do it yet.
+  const auto unknown = std::make_exception_ptr(
+      Refused(v1::ERROR_OUTCOME_UNKNOWN,
+              "the connection was closed: whether the edit was applied is not known"));
+  for (const auto& [calls, why] :
+       {std::pair(&edit_calls, unknown), std::pair(&waiting_edits, gone)}) {
     while (!calls->empty()) {
       const auto call = calls->extract(calls->begin()).mapped();
-      call->on_reply(gone);
+      call->on_reply(why);
     }
   }
 }

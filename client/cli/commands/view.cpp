@@ -84,7 +84,9 @@ int run(const ViewOptions& options, const CommonOptions& common, Interruption& i
   web.address = options.address;
   web.port = options.port;
   web.read_only = options.read_only;
-  if (!gateway::isLoopback(options.address)) {
+  // Others on this machine reach a loopback address, too: they must not act by an identity that
+  // is not theirs.
+  if (!gateway::isLoopback(options.address) || !common.network.identity.empty()) {
     web.edit_token = gateway::randomToken();
     web.look_token = gateway::randomToken();
   }

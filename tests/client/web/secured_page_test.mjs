@@ -2,6 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
+import http from 'node:http';
 import { join } from 'node:path';
 import { bin, dotOf, downloads, dragBy, factsOf, handgraft, kWaiting, ofServer, openPage, openSession, picture, rest, runTests, sleep, startView, stop, waitRevision } from './browser.mjs';
 import { openMotion, openMotionPage, point } from './motions.mjs';
@@ -13,15 +14,38 @@ for (const role of ['server', 'editor', 'viewer']) execFileSync(program, ['keys'
 ofServer.push('--identity', join(keys, 'a-server'));
 process.env.HANDGRAFT_IDENTITY = join(keys, 'a-editor'); // of all programs that are not told otherwise
 
+/** The page of a session: links hold a token, since others of this machine have no identity. */
+const pageOf = (address, session) => {
+  assert.match(address, /#token=[0-9a-f]{32}$/);
+  return address.replace('#', `?session=${session}#`);
+};
+
 /** The page of somebody who may look and no more. */
 const startLook = () => startView('--identity', join(keys, 'a-viewer'));
 
+const upgrade = { connection: 'Upgrade', upgrade: 'websocket', 'sec-websocket-version': '13', 'sec-websocket-key': 'AAAAAAAAAAAAAAAAAAAAAA==' };
+
+/** Without the token of its link nobody joins. */
+const expectClosed = async (address) => {
+  for (const query of ['', '?token=', `?token=${'0'.repeat(32)}`]) {
+    const asked = http.get(new URL(`/live${query}`, address), { headers: upgrade });
+    const status = await new Promise((resolve, reject) => {
+      asked.on('response', (reply) => resolve(reply.resume().statusCode));
+      asked.on('upgrade', () => resolve('joined'));
+      asked.on('error', reject);
+    });
+    asked.destroy();
+    assert.equal(status, 401, query);
+  }
+};
+
 const tests = {
   async 'A viewer sees what an editor does, and changes nothing'(address) {
+    await expectClosed(address);
     const session = await openSession('human20', 'lemon', 'lemon_6');
-    const edits = await openPage(`${address}?session=${session}`);
+    const edits = await openPage(pageOf(address, session));
     const view = await startLook();
-    const page = await openPage(`${view.address}?session=${session}`);
+    const page = await openPage(pageOf(view.address, session));
     assert.equal(await page.evaluate(() => globalThis.handgraft.session.mayEdit), false);
     assert.ok(await page.$eval('.modes', (modes) => modes.hidden), 'nothing is offered to drag');
 
@@ -48,7 +72,7 @@ const tests = {
   async 'A viewer watches a motion'() {
     const session = await openMotion();
     const view = await startLook();
-    const page = await openMotionPage(`${view.address}?session=${session}`);
+    const page = await openMotionPage(pageOf(view.address, session));
     await point(page, 0.5);
     assert.equal(await page.evaluate(() => globalThis.handgraft.session.motion.frames.length), 26);
     await page.click('.timeline .play');

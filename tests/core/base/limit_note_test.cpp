@@ -13,6 +13,10 @@ using testing::HasSubstr;
 
 TEST(LimitNote, TellsAnglesInDegrees) {
   EXPECT_EQ(limitNote("thumb", false, {-0.4, 1.2}, {-0.4, 1.6}), "");
+  EXPECT_THAT(
+      limitNote("thumb", false, {-0.4, 1.7}, {-0.4, 1.6}),
+      HasSubstr("limits -0.4 to 1.7 rad of joint 'thumb' go beyond the hand's own, -0.4 "
+                "to 1.6"));
   EXPECT_THAT(limitNote("thumb", false, {30.0, 60.0}, {-0.4, 1.6}),
               AllOf(HasSubstr("30 to 60 rad"), HasSubstr("'thumb'"),
                     HasSubstr("radians, not degrees")));
