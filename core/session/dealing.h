@@ -25,7 +25,8 @@ using PlacesOfPatches = std::vector<std::optional<hand::HandLocation>>;
 /// the patches is dropped or missed when it is solved; the document's notes tell it.
 /// `document`: its patches without a placement are to be laid by `places`.
 /// Deterministic. Cost: where a finger is missing, 10 to 20 ms for each way to deal, and where
-/// none of them reaches all patches as much as a solve for each: some 0.5 s for a claw's twelve.
+/// none of them reaches all patches as much as a solve for each: some 0.5 s for a claw's
+/// twelve.
 Dealing dealFingers(const Models& models,
                     const hand::FingerCoordinates& coordinates,
                     const PlacesOfPatches& places,
