@@ -65,6 +65,18 @@ Penetration measure(const geometry::Solid& object_O,
   return measurePenetration(*chain().hand.model, *chain().solid, object_O, X_WO, pose);
 }
 
+/// One link.
+hand::HandModel handOfABox(const Vector3d& size) {
+  std::vector<hand::Link> links(1);
+  links[0].name = "box";
+  links[0].visuals = {{geometry::makeBox(size), "box"}};
+  return {"box", links, {}};
+}
+
+hand::Skin skinOfABox(const hand::HandModel& model) {
+  return {model, model.links()[0].visuals[0].mesh_L, Eigen::VectorXd(), 0.004};
+}
+
 TEST(Penetration, IsNothingForAHandThatTouchesNothing) {
   const auto ball_O = solidOf(geometry::makeSphere(0.03, 4));
   const Penetration apart = measure(*ball_O, at({0, 0.0501, 0}), chain().straight());
@@ -107,12 +119,8 @@ TEST(Penetration, OfAnObjectWithinALinkIsTold) {
 
 TEST(Penetration, HasTheVolumeThatTwoBoxesShare) {
   const Vector3d size(0.05, 0.04, 0.03);
-  std::vector<hand::Link> links(1);
-  links[0].name = "box";
-  links[0].visuals = {{geometry::makeBox(size), "box"}};
-  const hand::HandModel model("box", links, {});
-  const hand::Skin skin(model, links[0].visuals[0].mesh_L, Eigen::VectorXd(), 0.004);
-  const hand::HandSolid solid(model, skin, Progress());
+  const hand::HandModel model = handOfABox(size);
+  const hand::HandSolid solid(model, skinOfABox(model), Progress());
   const auto box_O = solidOf(geometry::makeBox({0.06, 0.06, 0.06}));
   const hand::HandPose pose{Pose::Identity(), Eigen::VectorXd()};
   for (const Vector3d& way : {Vector3d(0.045, 0, 0), Vector3d(0.04, 0.03, 0.02)}) {
@@ -143,12 +151,8 @@ TEST(Penetration, OfATipIsToldWhereverItMeetsALink) {
   const auto cone_O = solidOf({vertices, faces});
 
   const Vector3d size(0.05, 0.04, 0.03);
-  std::vector<hand::Link> links(1);
-  links[0].name = "box";
-  links[0].visuals = {{geometry::makeBox(size), "box"}};
-  const hand::HandModel model("box", links, {});
-  const hand::Skin skin(model, links[0].visuals[0].mesh_L, Eigen::VectorXd(), 0.004);
-  const hand::HandSolid solid(model, skin, Progress());
+  const hand::HandModel model = handOfABox(size);
+  const hand::HandSolid solid(model, skinOfABox(model), Progress());
   const hand::HandPose pose{Pose::Identity(), Eigen::VectorXd()};
   for (const double x : {-0.011, 0.0, 0.0013, 0.0049}) {
     Pose X_WO = Pose::Identity();
