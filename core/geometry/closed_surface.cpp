@@ -217,7 +217,7 @@ int putLast(const std::vector<int>& vertices, Soup& soup) {
   const auto sheets = std::stable_partition(order.begin(), order.end(), [&](int f) {
     return is_open[rootOf(parents, soup.faces[f][0])] == 0;
   });
-  Soup parted{soup.vertices, {}, {}, {}};
+  Soup parted{std::move(soup.vertices), {}, {}, {}};
   for (const int f : order) {
     parted.faces.push_back(soup.faces[f]);
     parted.given_face.push_back(soup.given_face[f]);

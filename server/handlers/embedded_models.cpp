@@ -92,8 +92,8 @@ class Collecting {
 };
 
 template <class Read>
-Read readOf(const io::EmbeddedModel& held, const io::MeshFile* object = nullptr) {
-  ReadModel model = unpackModel(held.bytes, object);
+Read readOf(const io::EmbeddedModel& held, int form, const io::MeshFile* object = nullptr) {
+  ReadModel model = unpackModel(held.bytes, object, form);
   if (!std::holds_alternative<Read>(model)) rejectInput("it holds a model of another kind");
   return std::get<Read>(std::move(model));
 }
@@ -112,19 +112,21 @@ void enter(const io::EmbeddedModel& held, HandlerContext& context) {
     const auto request = idl::fromJsonText<v1::VariantRequest>(held.settings);
     return put(variantHand(request, *parent), parent->origin.row);
   }
-  if (held.form != kReadForm) rejectInput("its form {} is not known", quoted(held.form));
+  const std::optional<int> form = packedFormOf(held.form);
+  if (!form) rejectInput("its form {} is not known", quoted(held.form));
   const ReadRequest how = unpackRequest(held.settings);
   if (held.kind == "hand")
-    return put(storedHand(held.name, origin, readOf<ReadHand>(held), how.hand));
+    return put(storedHand(held.name, origin, readOf<ReadHand>(held, *form), how.hand));
   if (held.kind == "object")
-    return put(storedObject(held.name, origin, readOf<io::MeshFile>(held), how.units));
+    return put(storedObject(held.name, origin, readOf<io::MeshFile>(held, *form), how.units));
   const auto object = context.models.object(held.base);
   if (held.kind == "motion") {
-    return put(storedMotion(held.name, origin, readOf<ReadMotion>(held, object->file.get()),
-                            object->file, held.base),
-               object->origin.row);
+    return put(
+        storedMotion(held.name, origin, readOf<ReadMotion>(held, *form, object->file.get()),
+                     object->file, held.base),
+        object->origin.row);
   }
-  put(storedContacts(held.name, origin, readOf<ReadContacts>(held, object->file.get()),
+  put(storedContacts(held.name, origin, readOf<ReadContacts>(held, *form, object->file.get()),
                      object->file, held.base),
       object->origin.row);
 }

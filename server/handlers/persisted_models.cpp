@@ -13,11 +13,12 @@ namespace {
 
 template <class Read>
 Read readOf(const PersistedModel& kept, const std::string& bytes, const io::MeshFile* object) {
-  if (kept.form != kReadForm) {
+  const std::optional<int> form = packedFormOf(kept.form);
+  if (!form) {
     throw StorageError(fmt::format("model {}: its form {} is not known",
                                    handgraft::quoted(kept.name), handgraft::quoted(kept.form)));
   }
-  return std::get<Read>(unpackModel(bytes, object));
+  return std::get<Read>(unpackModel(bytes, object, *form));
 }
 
 }  // namespace

@@ -56,7 +56,10 @@ class ByteWriter {
 class ByteReader {
  public:
   /// `bytes` must outlive the reader.
-  explicit ByteReader(std::string_view bytes) : left_(bytes) {}
+  ByteReader(std::string_view bytes, int form) : left_(bytes), form_(form) {}
+
+  /// Of what is read, which those who read it give numbers.
+  [[nodiscard]] int form() const { return form_; }
 
   template <class Number>
   Number number() {
@@ -131,6 +134,7 @@ class ByteReader {
   }
 
   std::string_view left_;
+  int form_;
 };
 
 }  // namespace handgraft::server

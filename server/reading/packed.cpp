@@ -165,7 +165,7 @@ std::string pack(const ReadRequest& request) {
 }
 
 ReadRequest unpackRequest(std::string_view bytes) {
-  ByteReader in(bytes);
+  ByteReader in(bytes, kPackedForm);
   ReadRequest request;
   request.kind = in.one(ReadKind::kMotion);
   request.name = in.text(kLongestName);
@@ -193,8 +193,8 @@ std::string pack(const ReadModel& model) {
   return out.take();
 }
 
-ReadModel unpackModel(std::string_view bytes, const io::MeshFile* object) {
-  ByteReader in(bytes);
+ReadModel unpackModel(std::string_view bytes, const io::MeshFile* object, int form) {
+  ByteReader in(bytes, form);
   const auto take = [&]() -> ReadModel {
     switch (in.one(ReadKind::kHandTrajectory)) {
       case ReadKind::kHand:

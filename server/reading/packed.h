@@ -13,14 +13,21 @@ std::string pack(const ReadRequest& request);
 /// Errors: InvalidInput if the bytes are no request.
 ReadRequest unpackRequest(std::string_view bytes);
 
+/// In the newest form.
 std::string pack(const ReadModel& model);
+
+/// Forms of packed models, which stores and session files keep. Up to 1 they do not say which
+/// faces of an object are turned, nor which hand touched.
+inline constexpr int kPackedForm = 2;
 
 /// What was read, for sure: whatever the bytes are, what comes back keeps the promises of its
 /// types (finite, indices in range, names that exist, sizes within bounds), and no more memory
 /// is taken than in proportion to the bytes. Contacts are checked against the object they lie
 /// on.
 ///
-/// Errors: InvalidInput. Cost: O(bytes), and building the meshes.
-ReadModel unpackModel(std::string_view bytes, const io::MeshFile* object = nullptr);
+/// `form`: 1 to kPackedForm. Errors: InvalidInput. Cost: O(bytes), and building the meshes.
+ReadModel unpackModel(std::string_view bytes,
+                      const io::MeshFile* object = nullptr,
+                      int form = kPackedForm);
 
 }  // namespace handgraft::server

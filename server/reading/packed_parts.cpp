@@ -95,9 +95,7 @@ void put(ByteWriter& out, hand::Chirality side) {
 }
 
 hand::Chirality takeSide(ByteReader& in) {
-  const auto side = in.number<std::uint8_t>();
-  requireAll(side <= static_cast<std::uint8_t>(hand::Chirality::kLeft), "a side of no hand");
-  return static_cast<hand::Chirality>(side);
+  return in.form() < 2 ? hand::Chirality::kUnknown : in.one(hand::Chirality::kLeft);
 }
 
 bool isUnitOrZero(const Eigen::Vector3d& v) {
@@ -230,7 +228,7 @@ io::MeshFile takeMeshFile(ByteReader& in) {
   file.file_vertex = takeInts(in);
   file.mesh_vertex = takeInts(in);
   file.file_face = takeInts(in);
-  const std::vector<int> turned = takeInts(in);
+  const std::vector<int> turned = in.form() < 2 ? std::vector<int>() : takeInts(in);
   file.notes = takeTexts(in);
   file.cloud_O = in.columns<Eigen::Matrix3Xd>(kMostVertices);
   requireAll(file.mesh.faceCount() > 0, "a mesh without faces");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace handgraft::server {
@@ -14,8 +15,17 @@ struct ModelRecipe {
   std::string base_name = {};
 };
 
-/// What a reader read (reading/packed.h): settings are the request, bytes the answer.
-inline constexpr const char* kReadForm = "read/1";
+/// What a reader read (reading/packed.h): settings are the request, bytes the answer in the
+/// packed form of that number.
+inline constexpr const char* kReadForm = "read/2";
+
+/// The number of a form like that, of this version or an earlier one; nothing of others.
+inline std::optional<int> packedFormOf(const std::string& form) {
+  if (form == kReadForm) return 2;
+  if (form == "read/1") return 1;
+  return std::nullopt;
+}
+
 /// A variant: settings are the request's JSON, the base is the parent.
 inline constexpr const char* kVariantForm = "variant/1";
 

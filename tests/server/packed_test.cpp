@@ -2,7 +2,9 @@
 
 #include "server/reading/packed.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <random>
 #include <string>
@@ -127,6 +129,40 @@ TEST(Packed, ObjectsAndContactsComeBackAsTheyWere) {
     expectEqual(contacts.set, contacts_back.set);
     EXPECT_FALSE(contacts_back.map.has_value());
   }
+}
+
+/// Bytes of form 1: without the `count` of them where these two begin to differ.
+std::string withoutNews(std::string bytes, const std::string& other, std::ptrdiff_t count) {
+  const auto [at, there] =
+      std::mismatch(bytes.begin(), bytes.end(), other.begin(), other.end());
+  bytes.erase(at, at + count);
+  return bytes;
+}
+
+TEST(Packed, WhatOlderStoresKeepIsReadStill) {
+  const fs::path models = test::sourceDirectory() / "server/models";
+  const auto object = requestFor(ReadKind::kObject, models / "objects" / "box.obj");
+  const io::MeshFile box = objectOf(object);
+  io::MeshFile turned = box;
+  turned.is_turned.assign(static_cast<std::size_t>(box.mesh.faceCount()), 1);
+  constexpr std::ptrdiff_t kCount = sizeof(std::uint64_t);
+  const std::string old_box =
+      withoutNews(pack(ReadModel(box)), pack(ReadModel(turned)), kCount);
+  const auto back = std::get<io::MeshFile>(unpackModel(old_box, nullptr, 1));
+  EXPECT_EQ(back.mesh.faces(), box.mesh.faces());
+  EXPECT_EQ(back.notes, box.notes);
+  EXPECT_THROW((void)unpackModel(old_box), InvalidInput);
+
+  const ReadRequest request = mapRequest(models / "contacts" / "box_5.json", object);
+  ReadContacts contacts = contactsOf(request);
+  const std::string as_it_is = pack(ReadModel(contacts));
+  contacts.set.side = hand::Chirality::kLeft;
+  const std::string left = pack(ReadModel(contacts));
+  EXPECT_EQ(std::get<ReadContacts>(unpackModel(left, &box)).set.side, hand::Chirality::kLeft);
+  const auto contacts_back =
+      std::get<ReadContacts>(unpackModel(withoutNews(as_it_is, left, 1), &box, 1));
+  EXPECT_EQ(contacts_back.set.side, hand::Chirality::kUnknown);
+  EXPECT_EQ(contacts_back.set.patches.size(), contacts.set.patches.size());
 }
 
 TEST(Packed, RequestsComeBackAsTheyWere) {
