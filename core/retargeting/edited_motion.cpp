@@ -43,12 +43,6 @@ void addPlaces(const session::DocumentPatch& patch, session::FieldWriter& writer
   writer.add(patch.root_is_open ? std::nullopt : patch.placement);
 }
 
-bool isOfPoints(const Motion& motion) {
-  return std::any_of(motion.tracks.begin(), motion.tracks.end(), [](const PatchTrack& track) {
-    return std::any_of(track.keys.begin(), track.keys.end(), manipulation::isRecorded);
-  });
-}
-
 }  // namespace
 
 struct EditedMotion::Work {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "core/base/angle.h"
 #include "core/base/error.h"
@@ -23,13 +24,20 @@ constexpr double kJointNoise = 0.005;  // m
 constexpr int kMostJumps = 2;          // in a row; then it is where the hand is
 constexpr int kLiveStarts = 16;
 constexpr int kFirstSlides = 10;
+// To tell ways to deal fingers apart.
+constexpr int kTrialStarts = 4;
+constexpr int kTrialSlides = 3;
 // Lost is a hand that is so far off, for so long; what is found must be nearer by this factor.
 constexpr double kLost = 0.012;       // m, on average over the touches
 constexpr double kLostFor = 0.25;     // s
 constexpr double kSearchEvery = 0.5;  // s
 constexpr double kBetter = 0.6;
-constexpr double kWayTime = 0.8;  // s
-constexpr double kAway = 0.1;     // m, in the middle of a way about the object
+// A way is as long as it takes at these speeds, within bounds.
+constexpr double kWaySpeed = 0.25;    // m/s
+constexpr double kWayTurning = 3.0;   // rad/s, of the hand and of its joints
+constexpr double kShortestWay = 0.2;  // s
+constexpr double kLongestWay = 0.8;   // s
+constexpr double kAway = 0.1;         // m, in the middle of a way about the object
 // Places yield to where the hand shows a touch like a spring.
 constexpr double kSlideShare = 0.95;
 constexpr double kSlideTime = 0.05;      // s
@@ -37,6 +45,22 @@ constexpr double kLongestStep = 0.0125;  // s
 // Of places kept for later frames.
 constexpr double kAngleStep = std::numbers::pi / 36.0;  // rad
 constexpr double kShareStep = 1.0 / 32.0;               // of a segment or the palm
+
+/// The demonstrator's, thumb to little.
+std::vector<std::string> digitsOf(const std::vector<manipulation::DetectedContact>& touches) {
+  std::vector<std::string> digits;
+  for (const manipulation::DetectedContact& touch : touches)
+    if (touch.place.digit != hand::kPalmPart) digits.push_back(touch.place.digit);
+  return session::inOrder(std::move(digits));
+}
+
+double timeFor(const hand::HandPose& from_O, const hand::HandPose& to_O) {
+  const double way = (to_O.X_WH.translation() - from_O.X_WH.translation()).norm();
+  const double turn =
+      std::max(vectorFromRotation(to_O.X_WH.linear() * from_O.X_WH.linear().transpose()).norm(),
+               (to_O.q - from_O.q).cwiseAbs().maxCoeff());
+  return std::clamp(std::max(way / kWaySpeed, turn / kWayTurning), kShortestWay, kLongestWay);
+}
 
 }  // namespace
 
@@ -71,6 +95,11 @@ std::optional<hand::LinkPoint> LiveFollower::spotOf(
   const auto known = spots_.find(key);
   if (known != spots_.end()) return known->second;
   hand::HandLocation place = touch.place;
+  if (place.digit != hand::kPalmPart) {
+    const auto dealt = dealing_.find(place.digit);
+    if (dealt == dealing_.end()) return std::nullopt;
+    place.digit = dealt->second;
+  }
   place.along = key.along * kShareStep;
   place.around_rad = key.around * kAngleStep;
   place.across = key.across * kShareStep;
@@ -91,6 +120,83 @@ void LiveFollower::meet(const manipulation::DetectedContact& touch) {
   part.meant = spot;
   part.p_O = positionOf(*object_O_, touch.point_O);
   part.n_O = normalOf(*object_O_, touch.point_O);
+}
+
+/// From now on; what touches is meant there.
+void LiveFollower::deal(const session::Dealing& dealing) {
+  if (dealing != dealing_) spots_.clear();
+  dealing_ = dealing;
+  for (const manipulation::DetectedContact& touch : seen_)
+    meet(touch);
+}
+
+/// By short searches, from where the hand is: as sessions deal, which look longer. Of ways that
+/// reach as much, the one that leaves fingers for what may touch next.
+void LiveFollower::dealAnew(const std::vector<contact::PartDirection>& posture,
+                            const Progress& progress) {
+  dealt_for_ = digitsOf(seen_);
+  const hand::Anatomy& anatomy = coordinates_.anatomy();
+  std::vector<session::Dealing> ways;
+  if (session::lacksDigits(anatomy)) {
+    ways = session::waysToDeal(anatomy, dealt_for_);
+  } else {
+    ways.resize(1);
+    for (const std::string& digit : dealt_for_)
+      ways[0][digit] = digit;
+  }
+  const std::optional<hand::HandPose> here_O = last_O_;
+  const session::Dealing* best = &ways.front();
+  std::tuple<int, int, std::ptrdiff_t, double> least;
+  for (const session::Dealing& way : ways) {
+    if (ways.size() == 1) break;
+    deal(way);
+    forgetSlides();
+    last_O_ = here_O;
+    if (problemNow().pairs.empty()) continue;
+    search(posture, kTrialStarts, kTrialSlides, progress);
+    const Standing now = standing();
+    const std::ptrdiff_t renamed = std::count_if(way.begin(), way.end(), [](const auto& dealt) {
+      return dealt.first != dealt.second;
+    });
+    const std::tuple lack(now.missed, -session::neighboursServed(anatomy, way), renamed,
+                          now.distance);
+    if (&way != &ways.front() && lack >= least) continue;
+    best = &way;
+    least = lack;
+  }
+  last_O_ = here_O;
+  deal(*best);
+  forgetSlides();
+}
+
+/// One that is free, if need be of a digit that does not touch now.
+void LiveFollower::takeFingerFor(const std::string& digit) {
+  const hand::Anatomy& anatomy = coordinates_.anatomy();
+  auto more = session::extendedBy(anatomy, digit, dealing_);
+  if (!more) {
+    const std::vector<std::string> touching = digitsOf(seen_);
+    session::Dealing needed = dealing_;
+    std::erase_if(needed, [&](const auto& dealt) {
+      return std::find(touching.begin(), touching.end(), dealt.first) == touching.end();
+    });
+    more = session::extendedBy(anatomy, digit, needed);
+  }
+  if (more) dealing_ = *more;
+}
+
+bool LiveFollower::isUnserved() const {
+  const std::vector<std::string> digits = digitsOf(seen_);
+  return digits != dealt_for_ &&
+         std::any_of(digits.begin(), digits.end(), [&](const std::string& digit) {
+           return !dealing_.contains(digit);
+         });
+}
+
+void LiveFollower::forgetSlides() {
+  for (TouchingPart& part : parts_) {
+    part.slide_L.setZero();
+    part.turn_L.setZero();
+  }
 }
 
 void LiveFollower::slide(double share) {
@@ -193,12 +299,16 @@ bool LiveFollower::jumps(const manipulation::DemonstratedFrame& frame) const {
 
 bool LiveFollower::begin(const std::vector<contact::PartDirection>& posture,
                          const Progress& progress) {
-  if (touches_ < kTouchesToBegin || problemNow().pairs.empty()) return false;
-  search(posture, progress);
+  if (touches_ < kTouchesToBegin) return false;
+  dealAnew(posture, progress);
+  if (problemNow().pairs.empty()) return false;
+  search(posture, kLiveStarts, kFirstSlides, progress);
   return true;
 }
 
 void LiveFollower::search(const std::vector<contact::PartDirection>& posture,
+                          int starts,
+                          int slides,
                           const Progress& progress) {
   optimize::PoseProblem problem = problemNow();
   contact::ContactSet shown;
@@ -214,10 +324,10 @@ void LiveFollower::search(const std::vector<contact::PartDirection>& posture,
   };
   hold(problem);
   optimize::SolveOptions solving;
-  solving.starts = kLiveStarts;
+  solving.starts = starts;
   last_O_ = optimize::solve(problem, solving, progress).pose;
   solving.starts = 1;
-  for (int i = 0; i < kFirstSlides; ++i) {
+  for (int i = 0; i < slides; ++i) {
     slide(1.0);
     problem = problemNow();
     hold(problem);
@@ -225,39 +335,54 @@ void LiveFollower::search(const std::vector<contact::PartDirection>& posture,
   }
 }
 
-double LiveFollower::meanDistance() const {
+LiveFollower::Standing LiveFollower::standing() const {
+  Standing standing;
   double sum = 0.0;
   int count = 0;
   hand::LinkPoses X_OL;
   hand::forwardKinematics(*hand_.model, last_O_->X_WH, last_O_->q, X_OL);
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    if (!parts_[i].meant || parts_[i].presence < 1.0) continue;
-    const optimize::PointPair pair = pairOf(i);
-    sum += (X_OL[static_cast<std::size_t>(pair.link)] * pair.p_L - pair.p_W).norm();
+  for (const manipulation::DetectedContact& touch : seen_) {
+    const auto index = static_cast<std::size_t>(touch.part);
+    if (!parts_[index].meant) {
+      ++standing.missed;
+      continue;
+    }
+    if (parts_[index].presence < 1.0) continue;
+    const optimize::PointPair pair = pairOf(index);
+    const Pose& X = X_OL[static_cast<std::size_t>(pair.link)];
+    const double distance = (X * pair.p_L - pair.p_W).norm();
+    const double facing_deg = inDegrees(angleBetween(X.linear() * pair.n_L, -pair.n_W));
+    standing.missed += optimize::isReached(1e3 * distance, facing_deg) ? 0 : 1;
+    sum += distance;
     ++count;
   }
-  return count > 0 ? sum / count : 0.0;
+  if (count > 0) standing.distance = sum / count;
+  return standing;
 }
 
 void LiveFollower::lookAnew(double time_s,
                             double step_s,
                             const std::vector<contact::PartDirection>& posture,
                             const Progress& progress) {
-  const double distance = meanDistance();
-  lost_s_ = touches_ >= kTouchesToBegin && distance > kLost ? lost_s_ + step_s : 0.0;
-  if (way_ || lost_s_ < kLostFor || time_s < search_from_s_) return;
+  const Standing before = standing();
+  const bool may_begin = touches_ >= kTouchesToBegin;
+  lost_s_ = may_begin && before.distance > kLost ? lost_s_ + step_s : 0.0;
+  unserved_s_ = may_begin && isUnserved() ? unserved_s_ + step_s : 0.0;
+  if (way_ || std::max(lost_s_, unserved_s_) < kLostFor || time_s < search_from_s_) return;
   search_from_s_ = time_s + kSearchEvery;
   const std::vector<TouchingPart> parts = parts_;
+  const session::Dealing dealing = dealing_;
   const hand::HandPose here_O = *last_O_;
-  for (TouchingPart& part : parts_) {
-    part.slide_L.setZero();
-    part.turn_L.setZero();
-  }
-  search(posture, progress);
-  if (meanDistance() < kBetter * distance) {
-    way_ = Way{here_O, *last_O_, time_s, kWayTime};
-    search_from_s_ += kWayTime;
+  dealAnew(posture, progress);
+  search(posture, kLiveStarts, kFirstSlides, progress);
+  const Standing after = standing();
+  const bool serves_more = dealing_ != dealing && after.missed < before.missed;
+  if (serves_more || after.distance < kBetter * before.distance) {
+    way_ = Way{here_O, *last_O_, time_s, timeFor(here_O, *last_O_)};
+    search_from_s_ += way_->duration_s;
   } else {
+    if (dealing_ != dealing) spots_.clear();
+    dealing_ = dealing;
     parts_ = parts;
   }
   last_O_ = here_O;
@@ -305,6 +430,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   const bool paused = last_s_ && (step_s > kLivePause || step_s <= 0.0);
   last_s_ = time_s;
   touches_ = static_cast<int>(touches.size());
+  seen_ = touches;
 
   // === Parts come and go
   const double fade = options_.fade.seconds > 0.0 && !paused
@@ -318,6 +444,9 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
       is_there.resize(at + 1, 0);
     }
     is_there[at] = 1;
+    if (last_O_ && touch.place.digit != hand::kPalmPart &&
+        !dealing_.contains(touch.place.digit))
+      takeFingerFor(touch.place.digit);
     meet(touch);
   }
   for (std::size_t i = 0; i < parts_.size(); ++i) {

@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "core/placement/open_roots.h"
 #include "core/quality/penetration.h"
 #include "core/retargeting/motion_solving.h"
+#include "core/session/dealing.h"
 #include "core/session/document.h"
 #include "core/session/models.h"
 
@@ -22,10 +24,12 @@ namespace handgraft::retargeting {
 /// demonstrator's hand touch the object, the same parts of this hand do (ContactTracker), by
 /// the causal solver, within limits and out of the object. Touches come and go within 60 ms.
 /// A hand of other proportions cannot show all of them where they are meant: places yield,
-/// along the link that they are on, to where the hand shows the touch.
+/// along the link that they are on, to where the hand shows the touch. Where the hand lacks a
+/// finger that touches, they are dealt out anew (session/dealing.h).
 ///
 /// A hand that is 12 mm off on average for a quarter of a second is lost: it is searched in the
 /// same way again, and where that is nearer by far it goes there, about the object, in 0.8 s.
+/// So it is where a finger has touched for as long and none of the hand's shows it.
 ///
 /// It begins with the first frame that touches with three parts: the best pose of that frame
 /// alone, from many starts, where these leave it open held as the demonstrator's hand is. After
@@ -113,22 +117,36 @@ class LiveFollower {
     double duration_s = 0.0;
   };
 
+  /// How well the hand shows what touches now.
+  struct Standing {
+    int missed = 0;         ///< touches, of fingers that it lacks as well
+    double distance = 0.0;  ///< m, on average over the others
+  };
+
   [[nodiscard]] hand::HandPose poseOn(const Way& way, double time_s) const;
   void requireLater(double time_s) const;
   [[nodiscard]] bool jumps(const manipulation::DemonstratedFrame& frame) const;
   void meet(const manipulation::DetectedContact& touch);
   void slide(double share);
+  void forgetSlides();
   [[nodiscard]] optimize::PointPair pairOf(std::size_t part) const;
   std::optional<hand::LinkPoint> spotOf(const manipulation::DetectedContact& touch);
   [[nodiscard]] optimize::PoseProblem problemNow() const;
   [[nodiscard]] optimize::PoseProblem problemTo(const hand::HandPose& goal_O) const;
+  void deal(const session::Dealing& dealing);
+  void dealAnew(const std::vector<contact::PartDirection>& posture, const Progress& progress);
+  void takeFingerFor(const std::string& digit);
+  [[nodiscard]] bool isUnserved() const;
   bool begin(const std::vector<contact::PartDirection>& posture, const Progress& progress);
-  void search(const std::vector<contact::PartDirection>& posture, const Progress& progress);
+  void search(const std::vector<contact::PartDirection>& posture,
+              int starts,
+              int slides,
+              const Progress& progress);
   void lookAnew(double time_s,
                 double step_s,
                 const std::vector<contact::PartDirection>& posture,
                 const Progress& progress);
-  [[nodiscard]] double meanDistance() const;
+  [[nodiscard]] Standing standing() const;
   [[nodiscard]] std::vector<PartFit> fitsOf(
       const std::vector<manipulation::DetectedContact>& touches, const Pose& X_WO) const;
 
@@ -142,6 +160,9 @@ class LiveFollower {
   std::shared_ptr<const placement::SkinFaces> faces_;
   Eigen::Vector3d middle_O_;  // of the object
   std::vector<TouchingPart> parts_;
+  session::Dealing dealing_;                         // of the digits that have touched
+  std::vector<std::string> dealt_for_;               // those that touched as it was chosen
+  std::vector<manipulation::DetectedContact> seen_;  // what touches now
   std::map<PlaceKey, std::optional<hand::LinkPoint>> spots_;
   /// The last frame that did not jump, and how many have since.
   std::optional<manipulation::DemonstratedFrame> steady_;
@@ -151,6 +172,7 @@ class LiveFollower {
   std::optional<double> last_s_;
   std::optional<hand::HandPose> last_O_;  // once it has begun
   double lost_s_ = 0.0;                   // how long it has missed what is touched
+  double unserved_s_ = 0.0;               // how long a finger has touched that none shows
   double search_from_s_ = 0.0;            // not searched again before
   std::optional<Way> way_;                // to a better pose that was found far from the hand
 };

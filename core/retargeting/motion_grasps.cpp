@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/retargeting/motion_solving.h"
 #include "core/session/derived_state.h"
+#include "core/session/patch_matching.h"
 
 namespace handgraft::retargeting {
 
@@ -59,7 +60,49 @@ std::vector<int> fullestFrames(const Motion& motion) {
   return frames;
 }
 
+/// The grasp as its patches are in a frame.
+session::Moment momentAt(const Motion& motion,
+                         const std::vector<std::string>& names,
+                         const contact::ContactSet& grasp,
+                         int frame) {
+  auto contacts = std::make_shared<contact::ContactSet>(grasp);
+  session::Moment moment;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto track =
+        std::find_if(motion.tracks.begin(), motion.tracks.end(), [&](const PatchTrack& one) {
+          return one.name == names[i] && isThere(one, frame);
+        });
+    moment.is_there.push_back(track != motion.tracks.end());
+    if (!moment.is_there.back()) continue;
+    contact::Patch& patch = contacts->patches[i];
+    std::string name = std::move(patch.name);
+    patch = track->keyAt(frame).patch;
+    patch.name = std::move(name);
+  }
+  moment.contacts = std::move(contacts);
+  return moment;
+}
+
 }  // namespace
+
+std::vector<session::Moment> momentsOf(const Motion& motion, const contact::ContactSet& grasp) {
+  std::vector<session::Moment> moments;
+  if (isOfPoints(motion)) return moments;
+  const std::vector<std::string> names = patchNames(motion);
+  for (const int frame : fullestFrames(motion))
+    moments.push_back(momentAt(motion, names, grasp, frame));
+  return moments;
+}
+
+session::SessionModels motionModels(
+    hand::Hand hand,
+    const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+    const Motion& motion) {
+  session::SessionModels models =
+      session::modelsOf(std::move(hand), object_O, graspOf(motion, *object_O));
+  models.moments = momentsOf(motion, *models.contacts);
+  return models;
+}
 
 std::vector<FrameGrasp> graspFrames(
     const session::Document& document,
@@ -73,35 +116,21 @@ std::vector<FrameGrasp> graspFrames(
   std::vector<FrameGrasp> grasps;
   for (const int frame : fullestFrames(motion)) {
     progress.report("finding grasps", static_cast<double>(frame) / motion.frameCount());
-    auto contacts = std::make_shared<contact::ContactSet>(grasp);
-    session::Document there = document;
+    const session::Moment moment = momentAt(motion, names, grasp, frame);
+    session::Document there = session::atMoment(document, moment);
     there.timed.clear();
     there.start_is_known = there.is_solved = false;
-    bool any = false;
-    for (std::size_t i = 0; i < there.patches.size(); ++i) {
-      session::DocumentPatch& patch = there.patches[i];
-      const auto track =
-          std::find_if(motion.tracks.begin(), motion.tracks.end(), [&](const PatchTrack& one) {
-            return one.name == names[i] && isThere(one, frame);
-          });
-      patch.enabled = patch.enabled && track != motion.tracks.end();
-      if (!patch.enabled) continue;
-      const PatchKey& key = track->keyAt(frame);
-      const std::string name = contacts->patches[i].name;
-      contacts->patches[i] = key.patch;
-      contacts->patches[i].name = name;
-      patch.root_O = key.patch.root;
-      if (key.patch.direction_O) patch.direction_O = key.patch.direction_O;
-      any = any || patch.placement.has_value();
-    }
-    if (!any) continue;
+    if (std::none_of(there.patches.begin(), there.patches.end(), [](const auto& patch) {
+          return patch.enabled && patch.placement;
+        }))
+      continue;
     session::SessionModels models;
     models.hand_name = document.hand;
     models.hand = hand;
     models.object_name = document.object;
     models.object_O = object_O;
     models.contacts_name = document.contacts;
-    models.contacts = std::move(contacts);
+    models.contacts = moment.contacts;
     session::DerivedState state(std::make_shared<session::ModelCache>(std::move(models)));
     try {
       state.follow(there, progress);

@@ -81,6 +81,12 @@ std::vector<std::string> patchNames(const Motion& motion) {
   return names;
 }
 
+bool isOfPoints(const Motion& motion) {
+  return std::any_of(motion.tracks.begin(), motion.tracks.end(), [](const PatchTrack& track) {
+    return std::any_of(track.keys.begin(), track.keys.end(), manipulation::isRecorded);
+  });
+}
+
 contact::ContactSet graspOf(const Motion& motion, const geometry::TriangleMesh& object_O) {
   contact::ContactSet grasp;
   grasp.name = motion.name;

@@ -46,6 +46,9 @@ manipulation::MotionProblem motionProblemOf(const session::Document& document,
 /// The names of a motion's patches, each once, in the order of their first appearance.
 std::vector<std::string> patchNames(const manipulation::Motion& motion);
 
+/// Whether recorded points tell any of its patches.
+bool isOfPoints(const manipulation::Motion& motion);
+
 /// The grasp that stands for a motion where one is edited: each patch as it first appears;
 /// recorded points as disks about them, called after their places on the hand.
 contact::ContactSet graspOf(const manipulation::Motion& motion,

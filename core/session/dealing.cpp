@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <deque>
 #include <limits>
 #include <memory>
 #include <tuple>
@@ -14,6 +15,7 @@
 #include "core/base/error.h"
 #include "core/hand/hand_location.h"
 #include "core/session/derived_state.h"
+#include "core/session/patch_matching.h"
 #include "core/session/place_matching.h"
 
 namespace handgraft::session {
@@ -79,15 +81,9 @@ std::vector<Dealing> dealings(const std::vector<std::string>& touching,
 /// The digits that touched, thumb to little.
 std::vector<std::string> digitsIn(const PlacesOfPatches& places) {
   std::vector<std::string> digits;
-  for (const auto& place : places) {
-    if (!place || place->digit == hand::kPalmPart) continue;
-    if (std::find(digits.begin(), digits.end(), place->digit) == digits.end())
-      digits.push_back(place->digit);
-  }
-  std::stable_sort(digits.begin(), digits.end(), [](const auto& a, const auto& b) {
-    return rankOf(a) < rankOf(b);
-  });
-  return digits;
+  for (const auto& place : places)
+    if (place && place->digit != hand::kPalmPart) digits.push_back(place->digit);
+  return inOrder(std::move(digits));
 }
 
 /// Patches that an answer lacks, those that are dropped of them, and the objective: less is
@@ -100,6 +96,45 @@ struct Way {
   Document document;  ///< laid so
   Lack lack;
   bool reaches_all = false;
+};
+
+/// What a document is solved as: itself, or of a motion each of its moments.
+class Trials {
+ public:
+  Trials(const Models& models, const Document& document) : moments_(models.moments) {
+    if (moments_.empty()) derived_.emplace_back(cacheOf(models, document, models.contacts));
+    for (const Moment& moment : moments_)
+      derived_.emplace_back(cacheOf(models, document, moment.contacts));
+  }
+
+  [[nodiscard]] std::vector<Document> of(const Document& document) const {
+    if (moments_.empty()) return {document};
+    std::vector<Document> documents;
+    for (const Moment& moment : moments_)
+      documents.push_back(atMoment(document, moment));
+    return documents;
+  }
+
+  /// What that one of them follows from.
+  DerivedState& derived(std::size_t index) { return derived_[index]; }
+
+ private:
+  static std::shared_ptr<ModelCache> cacheOf(
+      const Models& models,
+      const Document& document,
+      std::shared_ptr<const contact::ContactSet> contacts) {
+    SessionModels known;
+    known.hand_name = document.hand;
+    known.hand = *models.hand;
+    known.object_name = document.object;
+    known.object_O = models.object_O;
+    known.contacts_name = document.contacts;
+    known.contacts = std::move(contacts);
+    return std::make_shared<ModelCache>(std::move(known));
+  }
+
+  const std::vector<Moment>& moments_;
+  std::deque<DerivedState> derived_;
 };
 
 std::vector<Way> waysToLay(const Models& models,
@@ -115,68 +150,71 @@ std::vector<Way> waysToLay(const Models& models,
   return ways;
 }
 
-std::ptrdiff_t droppedPatches(const Document& document) {
+std::ptrdiff_t askedPatches(const Document& document) {
   return std::count_if(document.patches.begin(), document.patches.end(),
                        [](const DocumentPatch& patch) {
-                         return !patch.placement;
+                         return patch.enabled;
                        });
 }
 
-Lack lackOf(const Solution& solution) {
-  const std::ptrdiff_t dropped = droppedPatches(solution.document);
-  return {dropped + failedPatches(solution.problem, solution.report), dropped,
-          solution.report.terms.objective};
+std::ptrdiff_t droppedPatches(const Document& document) {
+  return std::count_if(document.patches.begin(), document.patches.end(),
+                       [](const DocumentPatch& patch) {
+                         return patch.enabled && !patch.placement;
+                       });
 }
 
-/// What comes of each way by `solve`, the best of them put first; a way that leaves no point
-/// comes to nothing. Ways that drop more patches than another one lacks are not looked at.
+/// What comes of each way by `solve(derived, document)`, the best of them put first; one that
+/// leaves no point comes to nothing. Ways that drop more than another one lacks are not looked
+/// at.
 template <class Solve>
-void judge(std::vector<Way>& ways, const Solve& solve) {
+void judge(Trials& trials, std::vector<Way>& ways, const Solve& solve) {
   std::ptrdiff_t least = std::numeric_limits<std::ptrdiff_t>::max();
   for (Way& way : ways) {
-    const std::ptrdiff_t dropped = droppedPatches(way.document);
-    way.lack = {std::ssize(way.document.patches), dropped,
-                std::numeric_limits<double>::infinity()};
-    if (dropped > least) continue;
-    try {
-      const Solution solution = solve(way.document);
-      way.lack = lackOf(solution);
-      way.reaches_all = failedPatches(solution.problem, solution.report) == 0;
-    } catch (const InvalidInput&) {
-      continue;
+    const std::vector<Document> documents = trials.of(way.document);
+    auto& [lacking, dropped, objective] = way.lack;
+    lacking = dropped = 0;
+    objective = std::numeric_limits<double>::infinity();
+    way.reaches_all = false;
+    for (const Document& document : documents) {
+      lacking += askedPatches(document);
+      dropped += droppedPatches(document);
     }
-    least = std::min(least, std::get<0>(way.lack));
+    if (dropped > least) continue;
+    lacking = dropped;
+    objective = 0.0;
+    for (std::size_t i = 0; i < documents.size(); ++i) {
+      try {
+        const Solution solution = solve(trials.derived(i), documents[i]);
+        lacking += failedPatches(solution.problem, solution.report);
+        objective += solution.report.terms.objective;
+      } catch (const InvalidInput&) {
+        lacking += askedPatches(documents[i]) - droppedPatches(documents[i]);
+        objective = std::numeric_limits<double>::infinity();
+      }
+    }
+    way.reaches_all = lacking == dropped;
+    least = std::min(least, lacking);
   }
   std::stable_sort(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
     return a.lack < b.lack;
   });
 }
 
-std::shared_ptr<ModelCache> cacheOf(const Models& models, const Document& document) {
-  SessionModels known;
-  known.hand_name = document.hand;
-  known.hand = *models.hand;
-  known.object_name = document.object;
-  known.object_O = models.object_O;
-  known.contacts_name = document.contacts;
-  known.contacts = models.contacts;
-  return std::make_shared<ModelCache>(std::move(known));
-}
-
 /// The way that lacks least: by a short search, and where that misses any, by a full one of
 /// each, since the short one is no guide then (DECISIONS.md).
 Dealing bestOf(const Models& models, std::vector<Way> ways, const Progress& progress) {
   if (ways.size() == 1) return ways.front().dealing;
-  DerivedState derived(cacheOf(models, ways.front().document));
+  Trials trials(models, ways.front().document);
   SolverSettings solving = ways.front().document.solving;
   solving.starts = kShortStarts;
-  judge(ways, [&](const Document& document) {
+  judge(trials, ways, [&](DerivedState& derived, const Document& document) {
     derived.follow(document, progress);
     return derived.solveRoughly(solving, progress);
   });
   if (ways.front().reaches_all) return ways.front().dealing;
   solving = ways.front().document.solving;
-  judge(ways, [&](const Document& document) {
+  judge(trials, ways, [&](DerivedState& derived, const Document& document) {
     derived.follow(document, progress);
     return derived.solve(solving, {}, progress);
   });
@@ -185,39 +223,89 @@ Dealing bestOf(const Models& models, std::vector<Way> ways, const Progress& prog
 
 }  // namespace
 
+std::vector<std::string> inOrder(std::vector<std::string> digits) {
+  std::vector<std::string> once;
+  for (std::string& digit : digits)
+    if (std::find(once.begin(), once.end(), digit) == once.end())
+      once.push_back(std::move(digit));
+  std::stable_sort(once.begin(), once.end(), [](const auto& a, const auto& b) {
+    return rankOf(a) < rankOf(b);
+  });
+  return once;
+}
+
+std::vector<Dealing> waysToDeal(const hand::Anatomy& anatomy,
+                                std::vector<std::string> touching) {
+  Dealing kept;
+  if (anatomy.maybeDigit("thumb") != nullptr && std::erase(touching, "thumb") > 0)
+    kept["thumb"] = "thumb";
+  std::vector<std::string> fingers;
+  for (const hand::NamedDigit& digit : anatomy.digits)
+    if (digit.name != "thumb") fingers.push_back(digit.name);
+  std::vector<Dealing> ways = dealings(touching, fingers);
+  for (Dealing& way : ways)
+    way.insert(kept.begin(), kept.end());
+  return ways;
+}
+
+bool lacksDigits(const hand::Anatomy& anatomy) {
+  return std::any_of(kOrder.begin(), kOrder.end(), [&](const char* digit) {
+    return anatomy.maybeDigit(digit) == nullptr;
+  });
+}
+
+std::optional<Dealing> extendedBy(const hand::Anatomy& anatomy,
+                                  const std::string& digit,
+                                  const Dealing& dealing) {
+  std::vector<std::string> digits{digit};
+  for (const auto& [from, to] : dealing)
+    digits.push_back(from);
+  std::optional<Dealing> found;
+  for (Dealing& way : waysToDeal(anatomy, inOrder(std::move(digits)))) {
+    const auto stays = [&](const auto& dealt) {
+      const auto now = way.find(dealt.first);
+      return now != way.end() && now->second == dealt.second;
+    };
+    const auto finger = way.find(digit);
+    if (finger == way.end() || !std::all_of(dealing.begin(), dealing.end(), stays)) continue;
+    const bool has_its_name = finger->second == digit;
+    if (!found || has_its_name) found = std::move(way);
+  }
+  return found;
+}
+
+int neighboursServed(const hand::Anatomy& anatomy, const Dealing& dealing) {
+  int count = 0;
+  for (std::size_t rank = 1; rank < kOrder.size(); ++rank) {
+    const std::string digit = kOrder[rank];
+    const bool is_beside = !dealing.contains(digit) &&
+                           ((rank > 1 && dealing.contains(kOrder[rank - 1])) ||
+                            (rank + 1 < kOrder.size() && dealing.contains(kOrder[rank + 1])));
+    count += is_beside && extendedBy(anatomy, digit, dealing) ? 1 : 0;
+  }
+  return count;
+}
+
 Dealing dealFingers(const Models& models,
                     const hand::FingerCoordinates& coordinates,
                     const PlacesOfPatches& places,
                     Document& document,
                     const Progress& progress) {
-  std::vector<std::string> touching = digitsIn(places);
+  const hand::Anatomy& anatomy = coordinates.anatomy();
+  const std::vector<std::string> touching = digitsIn(places);
   Dealing same;
   std::vector<std::string> missing;
   for (const std::string& digit : touching) {
-    if (coordinates.anatomy().maybeDigit(digit) != nullptr) {
+    if (anatomy.maybeDigit(digit) != nullptr) {
       same[digit] = digit;
     } else {
       missing.push_back(digit);
     }
   }
-  std::vector<std::string> fingers;
-  for (const hand::NamedDigit& digit : coordinates.anatomy().digits)
-    fingers.push_back(digit.name);
-  const bool is_claw = fingers.size() == kClaw + 1 && touching.size() == fingers.size() &&
-                       same.contains("thumb");
+  const bool is_claw = anatomy.digits.size() == hand::kClawDigits &&
+                       touching.size() == hand::kClawDigits && same.contains("thumb");
   if (missing.empty() && !is_claw) return same;
-
-  // === A thumb stays a thumb where there is one; the others are dealt out anew
-  Dealing kept;
-  if (same.contains("thumb")) {
-    kept["thumb"] = "thumb";
-    std::erase(touching, "thumb");
-  }
-  std::erase(fingers, "thumb");
-  std::vector<Dealing> ways = dealings(touching, fingers);
-  for (Dealing& way : ways)
-    way.insert(kept.begin(), kept.end());
-  if (ways.empty()) ways = {same};
+  const std::vector<Dealing> ways = waysToDeal(anatomy, touching);
   const bool has_choice = ways.size() > 1;
   Dealing best =
       bestOf(models, waysToLay(models, coordinates, places, ways, document), progress);

@@ -85,6 +85,20 @@ bool sameMesh(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) 
 
 }  // namespace
 
+SessionModels modelsOf(hand::Hand hand,
+                       std::shared_ptr<const geometry::TriangleMesh> object_O,
+                       const contact::ContactSet& contacts) {
+  HANDGRAFT_REQUIRE(hand.model != nullptr);
+  SessionModels models;
+  models.hand_name = hand.model->name();
+  models.hand = std::move(hand);
+  models.object_name = contacts.object;
+  models.object_O = std::move(object_O);
+  models.contacts_name = contacts.name;
+  models.contacts = std::make_shared<const contact::ContactSet>(contacts);
+  return models;
+}
+
 ModelCache::ModelCache(SessionModels models) : first_(std::move(models)) {
   HANDGRAFT_REQUIRE(first_.hand.model != nullptr && first_.hand.skin != nullptr);
   HANDGRAFT_REQUIRE(first_.object_O != nullptr && first_.contacts != nullptr);
@@ -144,6 +158,7 @@ Models ModelCache::find(const std::string& hand,
   models.hand = &this->hand(hand, progress);
   models.object_O = this->object(object, progress);
   models.contacts = contactsOn(object, progress);
+  if (models.contacts == first_.contacts) models.moments = first_.moments;
   return models;
 }
 

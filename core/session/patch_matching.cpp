@@ -146,6 +146,19 @@ void matchPatches(const Models& models, Document& document, const Progress& prog
   }
 }
 
+Document atMoment(Document document, const Moment& moment) {
+  HANDGRAFT_REQUIRE(moment.is_there.size() == document.patches.size());
+  for (std::size_t i = 0; i < document.patches.size(); ++i) {
+    DocumentPatch& patch = document.patches[i];
+    patch.enabled = patch.enabled && moment.is_there[i];
+    if (!patch.enabled) continue;
+    const contact::Patch& then = moment.contacts->patches.at(i);
+    patch.root_O = then.root;
+    if (then.direction_O) patch.direction_O = then.direction_O;
+  }
+  return document;
+}
+
 std::vector<DocumentJoint> jointsOf(const hand::HandModel& model) {
   std::vector<DocumentJoint> joints(static_cast<std::size_t>(model.dofCount()));
   for (std::size_t i = 0; i < joints.size(); ++i) {

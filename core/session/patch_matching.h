@@ -22,6 +22,9 @@ Document firstDocument(ModelCache& cache,
 /// Errors: InvalidInput if no patch of the document has a place then.
 void matchPatches(const Models& models, Document& document, const Progress& progress);
 
+/// The document at a time of a motion: patches that are not there then are off.
+Document atMoment(Document document, const Moment& moment);
+
 /// The joints of a hand as its model has them.
 std::vector<DocumentJoint> jointsOf(const hand::HandModel& model);
 

@@ -10,20 +10,6 @@
 namespace handgraft::session {
 namespace {
 
-SessionModels modelsOf(hand::Hand hand,
-                       std::shared_ptr<const geometry::TriangleMesh> object_O,
-                       const contact::ContactSet& contacts) {
-  HANDGRAFT_REQUIRE(hand.model != nullptr);
-  SessionModels models;
-  models.hand_name = hand.model->name();
-  models.hand = std::move(hand);
-  models.object_name = contacts.object;
-  models.object_O = std::move(object_O);
-  models.contacts_name = contacts.name;
-  models.contacts = std::make_shared<const contact::ContactSet>(contacts);
-  return models;
-}
-
 bool isOfHistory(const Edit& edit) {
   return std::holds_alternative<UndoEdit>(edit) || std::holds_alternative<RedoEdit>(edit) ||
          std::holds_alternative<SnapshotEdit>(edit) ||

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/hand/finger_coordinates.h"
 #include "core/manipulation/offline_solver.h"
+#include "core/retargeting/motion_grasps.h"
 #include "core/retargeting/motion_layer.h"
 #include "core/session/session.h"
 #include "core/sweep/sweep_places.h"
@@ -150,9 +151,9 @@ SweepMotionBase solveMotionBase(const hand::Hand& hand,
                                 const Progress& progress) {
   SweepMotionBase base;
   try {
-    const session::Session session(hand, grasp.object_O,
-                                   retargeting::graspOf(*grasp.motion, *grasp.object_O),
-                                   Pose::Identity(), options.weights, options.transfer);
+    const session::Session session(
+        retargeting::motionModels(hand, grasp.object_O, *grasp.motion), Pose::Identity(),
+        options.weights, options.transfer);
     session::Document document = session.document();
     document.solving = options.solving;
     retargeting::MotionSolving solving = retargeting::motionSolving(false);

@@ -121,6 +121,8 @@ class Loading {
     if (const auto* what = std::get_if<ReadHandTrajectory>(&model)) {
       const auto hand = context_.models.hand(what->plan.hand);
       from.content = contentOfBoth(from.content, hand->origin.content);
+      // Cutting contacts takes minutes: not under a name that stands for something else.
+      static_cast<void>(context_.models.lacks(v1::MODEL_MOTION, reading_.name, from.content));
       model = ReadMotion{
           motionOfTrajectory(what->plan, *hand, object, stored->file->mesh, progress_)};
     }

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/retargeting/motion_grasps.h"
 #include "core/retargeting/motion_solving.h"
 
 namespace handgraft::server {
@@ -88,8 +89,10 @@ session::SessionModels motionModels(const std::string& hand,
   requireSameMesh(*stored, *stored_object);
   auto grasp = std::make_shared<const contact::ContactSet>(
       retargeting::graspOf(*stored->motion, stored_object->file->mesh));
-  return modelsOn(hand, stored_hand, object, stored_object, motion, std::move(grasp),
-                  std::move(source), progress);
+  session::SessionModels made = modelsOn(hand, stored_hand, object, stored_object, motion,
+                                         grasp, std::move(source), progress);
+  made.moments = retargeting::momentsOf(*stored->motion, *grasp);
+  return made;
 }
 
 }  // namespace handgraft::server

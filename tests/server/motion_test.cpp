@@ -64,6 +64,9 @@ TEST_F(MotionTest, WhatAHandDidIsWhatItTouched) {
   EXPECT_EQ(load_done("done", plan_of(R"(, "hand": "clamp")")).error(), v1::ERROR_NONE);
   EXPECT_EQ(load_done("done", plan_of(R"(, "hand": "clamp", "reach_m": 0.012)")).error(),
             v1::ERROR_CONFLICT);
+  EXPECT_EQ(load_done("done", plan_of(R"(, "hand": "clamp", "every_s": 100)")).error(),
+            v1::ERROR_CONFLICT)
+      << "before anything is cut";
 
   bus.ask(test::putFile(59, "plan.json", plan_of(R"(, "hand": "clamp")")));
   const std::string nothing =

@@ -16,6 +16,7 @@
 #include "core/optimize/diagnosis.h"
 #include "core/optimize/solve_report.h"
 #include "core/placement/solids.h"
+#include "core/retargeting/motion_grasps.h"
 #include "core/retargeting/motion_layer.h"
 #include "core/retargeting/motion_places.h"
 #include "core/retargeting/motion_solving.h"
@@ -252,9 +253,9 @@ void follow(const HumanSequence& sequence,
             const Fingertips& human_tips,
             const hand::Hand& hand,
             bool with_baselines) {
-  const session::Session session(hand, sequence.object_O,
-                                 retargeting::graspOf(sequence.motion, *sequence.object_O),
-                                 Pose::Identity(), {});
+  const session::Session session(
+      retargeting::motionModels(hand, sequence.object_O, sequence.motion), Pose::Identity(),
+      {});
   const double count = sequence.motion.frameCount();
   const double begin = threadMilliseconds();
   const retargeting::SolvedMotion solved =

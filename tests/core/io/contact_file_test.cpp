@@ -176,8 +176,9 @@ TEST(ContactSetFile, FaultsNameFilePatchAndField) {
   refuses("handgraft-contacts/1", "handgraft-contacts/9", "expected 'handgraft-contacts/1'");
   refuses("\"format\"", "\"fromat\"", "'format' is missing");
   refuses("\"patches\": [", "\"notes\": [", "'patches' is missing");
-  refuses("\"patches\"", "\"patch\"",
-          "field 'patch' is unknown; permitted are format name object side patches posture notes");
+  refuses(
+      "\"patches\"", "\"patch\"",
+      "field 'patch' is unknown; permitted are format name object side patches posture notes");
   refuses("\"direction\"", "\"dirrection\"",
           "patch 'thumb': field 'dirrection' is unknown; permitted are name root direction");
   refuses("\"face\": 3", "\"face\": 3, \"baricentric\": 1",

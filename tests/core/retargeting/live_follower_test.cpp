@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -11,6 +13,7 @@
 #include "core/session/session.h"
 
 #include "tests/core/session/ball_grasp.h"
+#include "tests/core/session/library_models.h"
 
 namespace handgraft::retargeting {
 namespace {
@@ -36,6 +39,19 @@ double meanDistance(const LiveFollower::Answer& answer) {
   for (const LiveFollower::PartFit& fit : answer.parts)
     sum_mm += fit.distance_mm;
   return sum_mm / static_cast<double>(std::max<std::size_t>(1, answer.parts.size()));
+}
+
+bool isOf(const std::string& digit, int part) {
+  return manipulation::ContactTracker::partNames()[static_cast<std::size_t>(part)].rfind(
+             digit, 0) == 0;
+}
+
+std::vector<manipulation::DetectedContact> without(
+    const std::string& digit, std::vector<manipulation::DetectedContact> touches) {
+  std::erase_if(touches, [&](const manipulation::DetectedContact& touch) {
+    return isOf(digit, touch.part);
+  });
+  return touches;
 }
 
 class LiveFollowing : public testing::Test {
@@ -131,9 +147,15 @@ TEST_F(LiveFollowing, WhatStaysSoIsNoGlitch) {
 // A hand of other proportions: its parts touch where they can, on the links that are meant.
 TEST_F(LiveFollowing, PlacesYieldToWhereTheHandShowsATouch) {
   const auto follower = this->follower();
+  manipulation::ContactTracker tracker(*grasp.ball);
+  const auto follow = [&](const DemonstratedFrame& frame) {
+    // Of fingers that this hand has.
+    return follower->follow(frame.time_s, frame.X_WO, without("ring", tracker.see(frame)),
+                            manipulation::postureOf(frame), Progress());
+  };
   std::optional<LiveFollower::Answer> answer;
   for (int k = 0; k < 40; ++k)
-    answer = follower->follow(grip(k / 60.0, 0.8), Progress());
+    answer = follow(grip(k / 60.0, 0.8));
   ASSERT_TRUE(answer);
   ASSERT_GE(answer->parts.size(), 3u);
   int reached = 0;
@@ -143,8 +165,52 @@ TEST_F(LiveFollowing, PlacesYieldToWhereTheHandShowsATouch) {
   EXPECT_GE(2 * reached, static_cast<int>(answer->parts.size()));
   // At rest: nobody moves, so the hand comes to rest, too.
   const Eigen::VectorXd before = answer->pose.q;
-  answer = follower->follow(grip(40 / 60.0, 0.8), Progress());
+  answer = follow(grip(40 / 60.0, 0.8));
   EXPECT_LT((answer->pose.q - before).cwiseAbs().maxCoeff(), 0.01);
+}
+
+// The hand has thumb, index and middle: what a ring finger touches another one shows.
+TEST_F(LiveFollowing, AFingerThatTheHandLacksIsShownByAnother) {
+  const auto follower = this->follower();
+  std::optional<LiveFollower::Answer> answer;
+  for (int k = 0; k < 40; ++k)
+    answer = follower->follow(grip(k / 60.0, 0.8), Progress());
+  ASSERT_TRUE(answer);
+  int of_ring = 0;
+  int reached = 0;
+  for (const LiveFollower::PartFit& fit : answer->parts) {
+    if (!isOf("ring", fit.part)) continue;
+    ++of_ring;
+    reached += fit.reached ? 1 : 0;
+  }
+  EXPECT_GE(of_ring, 2);
+  EXPECT_GE(reached, 1);
+  EXPECT_LT(meanDistance(*answer), 7.0);
+}
+
+TEST_F(LiveFollowing, AFingerThatComesLaterIsShownBesideTheOthers) {
+  const hand::Hand claw = test::handOfLibrary("barrett8");
+  const session::Session opened(claw, grasp.ball, grasp.contacts, Pose::Identity(), {});
+  const auto follower =
+      std::make_unique<LiveFollower>(opened.document(), claw, grasp.ball, Progress());
+  manipulation::ContactTracker tracker(*grasp.ball);
+  std::vector<std::vector<std::string>> shown;
+  for (int k = 0; k < 120; ++k) {
+    const DemonstratedFrame frame = grip(k / 60.0, 0.8);
+    std::vector<manipulation::DetectedContact> touches = tracker.see(frame);
+    if (k < 40) touches = without("ring", touches);
+    const auto answer = follower->follow(frame.time_s, frame.X_WO, touches,
+                                         manipulation::postureOf(frame), Progress());
+    if (!answer) continue;
+    std::vector<std::string>& digits = shown.emplace_back();
+    for (const LiveFollower::PartFit& fit : answer->parts)
+      for (const char* digit : {"index", "ring"})
+        if (isOf(digit, fit.part) && (digits.empty() || digits.back() != digit))
+          digits.emplace_back(digit);
+  }
+  ASSERT_EQ(shown.size(), 120u);
+  EXPECT_EQ(shown[30], (std::vector<std::string>{"index"}));
+  EXPECT_EQ(shown.back(), (std::vector<std::string>{"index", "ring"}));
 }
 
 // What the demonstrator touches is all of a sudden on the ball's other side. Followed from

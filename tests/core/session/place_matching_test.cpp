@@ -6,12 +6,14 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/base/progress.h"
 #include "core/hand/finger_coordinates.h"
 #include "core/io/contact_file.h"
 #include "core/optimize/diagnosis.h"
+#include "core/session/dealing.h"
 #include "core/session/session.h"
 
 #include "tests/core/session/library_models.h"
@@ -129,6 +131,65 @@ TEST(DealingFingers, TurnsAClawRoundWhereThatReachesMore) {
   });
   const std::ptrdiff_t exchanged = reachedOf(hand, lemon, three);
   EXPECT_EQ(reachedOf(handOfLibrary("barrett8"), lemon, three), exchanged);
+}
+
+/// A hand of a thumb, an index and a middle finger.
+hand::Anatomy threeDigits() {
+  hand::Anatomy anatomy;
+  for (const char* name : {"thumb", "index", "middle"})
+    anatomy.digits.emplace_back().name = name;
+  return anatomy;
+}
+
+TEST(DealingFingers, HasAllWaysThatKeepTheirOrder) {
+  using Ways = std::vector<Dealing>;
+  EXPECT_EQ(waysToDeal(threeDigits(), {"thumb", "ring"}),
+            (Ways{{{"thumb", "thumb"}, {"ring", "index"}},
+                  {{"thumb", "thumb"}, {"ring", "middle"}}}));
+  // Two fingers may stand the other way round.
+  EXPECT_EQ(waysToDeal(threeDigits(), {"ring", "little"}),
+            (Ways{{{"ring", "index"}, {"little", "middle"}},
+                  {{"ring", "middle"}, {"little", "index"}}}));
+  EXPECT_EQ(waysToDeal(threeDigits(), {}), Ways{{}});
+  EXPECT_EQ(waysToDeal(threeDigits(), {"index", "middle", "ring"}).size(), 6u);
+}
+
+TEST(DealingFingers, OneMoreTakesAFingerThatIsFree) {
+  const hand::Anatomy hand = threeDigits();
+  EXPECT_EQ(extendedBy(hand, "middle", {{"index", "index"}}),
+            (Dealing{{"index", "index"}, {"middle", "middle"}}));
+  EXPECT_EQ(extendedBy(hand, "middle", {}), (Dealing{{"middle", "middle"}})) << "its own";
+  EXPECT_EQ(extendedBy(hand, "ring", {{"index", "index"}}),
+            (Dealing{{"index", "index"}, {"ring", "middle"}}));
+  EXPECT_EQ(extendedBy(hand, "ring", {{"index", "index"}, {"middle", "middle"}}), std::nullopt);
+  EXPECT_EQ(extendedBy(hand, "thumb", {{"ring", "middle"}}),
+            (Dealing{{"thumb", "thumb"}, {"ring", "middle"}}));
+
+  EXPECT_EQ(neighboursServed(hand, {{"middle", "index"}}), 2) << "index (turned round), ring";
+  EXPECT_EQ(neighboursServed(hand, {{"index", "index"}, {"middle", "middle"}}), 0);
+}
+
+/// What does not touch while most does is not to be reached beside it.
+TEST(DealingFingers, OfAMotionGoByWhatIsThereAtItsMoments) {
+  const hand::Hand hand = handOfLibrary("barrett8");
+  const LabelledLemon lemon;
+  const auto dropped_of = [&](const SessionModels& models) {
+    const Session session(models, Pose::Identity(), {});
+    std::vector<std::string> dropped;
+    for (const SessionPatch& patch : session.patches())
+      if (!patch.placement) dropped.push_back(patch.patch.name);
+    return dropped;
+  };
+  SessionModels models = modelsOf(hand, lemon.mesh, lemon.contacts);
+  const std::vector<std::string> of_all = dropped_of(models);
+  ASSERT_EQ(of_all.size(), 2u);
+  Moment moment{models.contacts, {}};
+  for (const contact::Patch& patch : lemon.contacts.patches) {
+    moment.is_there.push_back(patch.name == of_all[0] || patch.name == "palm" ||
+                              patch.name == "thumb_distal");
+  }
+  models.moments = {moment};
+  EXPECT_THAT(dropped_of(models), testing::Not(testing::Contains(of_all[0])));
 }
 
 TEST(DealingFingers, KeepsTheirOrderAndTheThumbAndTellsIt) {
