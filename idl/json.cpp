@@ -329,6 +329,35 @@ void readJson(const Type& type, void* message, const Json& json, const std::stri
   }
 }
 
+void requireWhole(const Type& type, const Json& json, const std::string& path) {
+  const auto require = [&](const Field& field) {
+    const Type& of_field = *field.type;
+    const std::string field_path = memberPath(path, field.name);
+    const auto said = json.find(field.name);
+    if (said == json.end()) {
+      if (of_field.kind == Kind::kSequence) return;
+      throw InvalidField(field_path, "it is not said");
+    }
+    const bool is_list = of_field.kind == Kind::kSequence || of_field.kind == Kind::kArray;
+    const Type& inner = is_list ? *of_field.element : of_field;
+    if (inner.kind != Kind::kStruct && inner.kind != Kind::kUnion) return;
+    if (!said->is_array()) {
+      if (!said->is_null()) requireWhole(inner, *said, field_path);
+      return;
+    }
+    for (std::size_t i = 0; i < said->size(); ++i)
+      requireWhole(inner, (*said)[i], fmt::format("{}[{}]", field_path, i));
+  };
+  if (type.kind != Kind::kUnion) {
+    for (const Field& field : type.fields)
+      require(field);
+    return;
+  }
+  const auto label = valueOf(*type.discriminator, json.at(kLabelKey).get<std::string>());
+  const Field* chosen = label ? chosenOf(type, *label) : nullptr;
+  if (chosen != nullptr && !isNothing(*chosen->type)) require(*chosen);
+}
+
 void readJsonText(const Type& type, void* message, std::string_view text) {
   Json json;
   try {

@@ -26,6 +26,11 @@ Json jsonOf(const Type& type, const void* message);
 /// out of range, not finite, too long, or no enumerator.
 void readJson(const Type& type, void* message, const Json& json, const std::string& path);
 
+/// For messages of which nothing may be left out but lists: a limit that nobody said is no 0.
+/// Errors: InvalidField names the path of the first field that is not said. `json` is one that
+/// readJson takes.
+void requireWhole(const Type& type, const Json& json, const std::string& path);
+
 /// Errors: InvalidInput for what is no JSON.
 void readJsonText(const Type& type, void* message, std::string_view text);
 

@@ -264,6 +264,7 @@ void Gateway::Impl::edit(PageId page, std::uint64_t request, const Json& message
   require(page, Rights::kEdit);
   const std::uint64_t session = numberIn(message, "session");
   const auto body = idl::fromJson<v1::EditBody>(message.at("body"), "body");
+  idl::requireWhole(idl::typeOf<v1::EditBody>(), message.at("body"), "body");
   whenDone(
       client.edit(session, numberIn(message, "base_revision"), body, whenIn(message)),
       [this, page, request, session](Outcome<v1::EditReply> outcome) {

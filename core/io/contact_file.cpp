@@ -1,6 +1,7 @@
 #include "core/io/contact_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -379,9 +380,26 @@ bool sameMesh(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) 
 
 }  // namespace
 
+namespace {
+
+/// A set's. Whoever gives a mesh has forgotten its picture, not written JSON badly.
+json setIn(const std::filesystem::path& path) {
+  const std::string text = textOf(path);
+  if (json::accept(text)) return json::parse(text);
+  constexpr std::array<const char*, 5> kMeshes{".glb", ".gltf", ".obj", ".stl", ".dae"};
+  if (std::find(kMeshes.begin(), kMeshes.end(), path.extension()) != kMeshes.end()) {
+    rejectInput(
+        "a mesh alone tells no contacts: its picture does (--picture FILE --colors SCALE), a "
+        "PLY with a value at each vertex, or a set of patches as JSON");
+  }
+  return json::parse(text);  // what is wrong with it
+}
+
+}  // namespace
+
 ContactSet readContactSet(const std::filesystem::path& path, const MeshFile& object) {
   return namingFile(path, [&] {
-    return contactSetFrom(json::parse(textOf(path)), object);
+    return contactSetFrom(setIn(path), object);
   });
 }
 
@@ -389,7 +407,7 @@ std::string objectNameIn(const std::filesystem::path& path) {
   if (isContactMap(path)) return "";
   if (isNpz(readFileBytes(path))) return objectOfNpz(path);  // a demonstration
   return namingFile(path, [&]() -> std::string {
-    const json root = json::parse(textOf(path));
+    const json root = setIn(path);
     if (!root.is_object() || !root.contains("object")) return "";
     return nameFrom(root["object"], "object");
   });

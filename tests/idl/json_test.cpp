@@ -160,6 +160,20 @@ void survives(unsigned seed) {
   EXPECT_NO_THROW(idl::check(message));
   const std::string text = idl::jsonText(message, seed % 3 == 0 ? 2 : -1);
   EXPECT_TRUE(idl::fromJsonText<Message>(text) == message) << text;
+
+  // Nothing of it is left out; without any of its fields but lists, something is.
+  const Type& type = idl::typeOf<Message>();
+  const Json json = idl::jsonOf(message);
+  EXPECT_NO_THROW(idl::requireWhole(type, json, ""));
+  for (const Field& field : type.fields) {
+    Json less = json;
+    if (type.kind == Kind::kUnion || less.erase(field.name) == 0) continue;
+    EXPECT_EQ(wrongIn(less,
+                      [&](const Json& part) {
+                        idl::requireWhole(type, part, "");
+                      }),
+              field.type->kind == Kind::kSequence ? "" : field.name);
+  }
 }
 
 template <class Message>

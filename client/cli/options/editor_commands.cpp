@@ -83,7 +83,12 @@ void addExport(CLI::App& app, CommandOptions& chosen) {
   addSessionId(*command, parsed->options.session_id);
   // The page is the client's own.
   const std::string formats = fmt::format("{}, html", fmt::join(exportFormats(), ", "));
-  command->add_option("--format", parsed->options.format, formats)->required();
+  command
+      ->add_option("--format", parsed->options.format,
+                   formats +
+                       " (npz, mjcf and ros_trajectory of motions alone, which have no "
+                       "obj, isaac_grasp and problem)")
+      ->required();
   command->add_option("--out", parsed->out, "The file")->required()->check(objectionToFile);
   command->callback([parsed, formats, &chosen] {
     const std::string& format = parsed->options.format;

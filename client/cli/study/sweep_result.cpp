@@ -150,7 +150,9 @@ FirstLoss firstLossOf(const std::vector<SweepPoint>& points, std::size_t best) {
   const auto at = std::find(order.begin(), order.end(), best);
   constexpr double kLost = 0.5;  // of a patch
   const auto loses = [&](std::size_t i) {
-    return points[i].reached <= points[best].reached - kLost;
+    // What has no answer has lost nothing that anybody knows of.
+    return points[i].solved == points[best].solved &&
+           points[i].reached <= points[best].reached - kLost;
   };
   FirstLoss loss;
   const auto above = std::find_if(at, order.end(), loses);

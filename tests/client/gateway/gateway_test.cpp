@@ -110,6 +110,22 @@ TEST_F(GatewayTest, AnswersNonsenseWithWhatIsWrong) {
   EXPECT_TRUE(ask(*page, R"({"do": "ask", "body": {"kind": "list_models"}})").contains("body"));
 }
 
+// A limit that nobody said is no limit of 0.
+TEST_F(GatewayTest, TakesNoEditOfWhichAPartIsNotSaid) {
+  serve();
+  const auto page = join();
+  const json refused = ask(
+      *page,
+      R"({"do": "edit", "session": 7, "body": {"kind": "joint_limit", "joint_limit": {"joint": "a", "lower": 0}}})");
+  EXPECT_EQ(refused["error"]["code"], "invalid_input");
+  EXPECT_THAT(refused["error"]["message"].get<std::string>(),
+              testing::HasSubstr("body.joint_limit.upper: it is not said"));
+  EXPECT_EQ(
+      ask(*page, R"({"do": "edit", "session": 7, "body": {"kind": "undo"}})")["error"]["code"],
+      "invalid_input");
+  EXPECT_EQ(server.operations(), std::vector<v1::Operation>());
+}
+
 TEST_F(GatewayTest, AsksTheServerForNothingThatIsNotForPages) {
   serve();
   const auto page = join();

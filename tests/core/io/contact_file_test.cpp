@@ -234,6 +234,14 @@ std::string plyPlate(const std::string& comment, int link) {
   return text.str();
 }
 
+TEST(ContactSetFile, ThatIsAMeshAsksForItsPicture) {
+  EXPECT_THAT(
+      [] {
+        readContactSet(write("cup.glb", "glTF"), backwardsPlate());
+      },
+      ThrowsMessage<InvalidInput>(AllOf(HasSubstr("cup.glb"), HasSubstr("--picture FILE"))));
+}
+
 TEST(ContactMapFile, TakesNamesFromTheComment) {
   const auto path =
       write("map.ply", plyPlate("made by hand, link index: 0=palm, 2=link_ff_dd 7=x", 2));

@@ -116,6 +116,14 @@ TEST(SweepResult, FindsWhereTheFirstPatchIsLost) {
                               "(box, red 2 of 3)"));
 }
 
+TEST(SweepResult, LosesNoPatchWhereThereIsNoAnswer) {
+  SweepResult result = resultOf({{0.1, 1, 1, 3, 3}, {0.2, 0, 0, 0, 0}, {0.3, 2, 2, 3, 2}});
+  result.reply.rows()[2].error("no patch finds a place");
+  EXPECT_EQ(firstLossOf(pointsOf(result), 0).above, 2u);
+  result.reply.rows()[5].reached_count(3);
+  EXPECT_THAT(text::sweep(result), HasSubstr("no patch is lost on either side"));
+}
+
 TEST(SweepResult, TellsWhatIsAsGoodAsTheBest) {
   const SweepResult result = resultOf({{0.1, 1.0, 1.0, 3, 3},
                                        {0.2, 1.002, 1.004, 3, 3},
