@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <numbers>
 #include <optional>
 
 #include <Eigen/Geometry>
@@ -12,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/contact/edge_refinement.h"
 #include "core/geometry/surface_locator.h"
+#include "core/geometry/winding_number.h"
 
 namespace handgraft::contact {
 namespace {
@@ -23,50 +23,36 @@ constexpr int kBatch = 256;  // vertices between two reports
 /// One part with what its queries need; parts without faces are in reach of nothing.
 class Part {
  public:
-  explicit Part(const TriangleMesh& mesh_O) : mesh_O_(mesh_O) {
+  explicit Part(const TriangleMesh& mesh_O) {
     if (mesh_O.faceCount() == 0) return;
     locator_.emplace(mesh_O);
+    winding_.emplace(mesh_O);
     for (int f = 0; f < mesh_O.faceCount(); ++f) {
       for (const int v : mesh_O.face(f))
         box_.extend(mesh_O.vertex(v));
     }
   }
 
-  /// Distance to the surface; infinity beyond `reach` (told by the box alone, so it is cheap).
+  /// Distance to the surface; infinity beyond `reach`.
   [[nodiscard]] double distance(const Eigen::Vector3d& p_O, double reach) const {
     if (!locator_ || box_.exteriorDistance(p_O) > reach)
       return std::numeric_limits<double>::infinity();
-    return locator_->nearest(p_O).distance;
+    const auto hit = locator_->nearest(p_O, reach);
+    return hit ? hit->distance : std::numeric_limits<double>::infinity();
   }
 
   /// How far inside; below 0 outside, minus infinity beyond `reach`.
   [[nodiscard]] double depth(const Eigen::Vector3d& p_O, double reach) const {
-    const double away = distance(p_O, reach);
-    return contains(p_O) ? away : -away;
+    return contains(p_O) ? locator_->nearest(p_O).distance : -distance(p_O, reach);
   }
 
-  /// Generalised winding number above a half (Jacobson, Kavan & Sorkine-Hornung 2013), each
-  /// face's solid angle by Van Oosterom & Strackee 1983.
   [[nodiscard]] bool contains(const Eigen::Vector3d& p_O) const {
-    if (!locator_ || !box_.contains(p_O)) return false;
-    double half_angles = 0.0;
-    for (int f = 0; f < mesh_O_.faceCount(); ++f) {
-      const Eigen::Vector3i face = mesh_O_.face(f);
-      const Eigen::Vector3d a = mesh_O_.vertex(face[0]) - p_O;
-      const Eigen::Vector3d b = mesh_O_.vertex(face[1]) - p_O;
-      const Eigen::Vector3d c = mesh_O_.vertex(face[2]) - p_O;
-      const double na = a.norm();
-      const double nb = b.norm();
-      const double nc = c.norm();
-      half_angles += std::atan2(a.dot(b.cross(c)),
-                                na * nb * nc + a.dot(b) * nc + b.dot(c) * na + c.dot(a) * nb);
-    }
-    return half_angles > std::numbers::pi;
+    return winding_ && box_.contains(p_O) && winding_->at(p_O) > 0.5;
   }
 
  private:
-  const TriangleMesh& mesh_O_;
   std::optional<geometry::SurfaceLocator> locator_;
+  std::optional<geometry::WindingNumber> winding_;
   Eigen::AlignedBox3d box_;
 };
 
