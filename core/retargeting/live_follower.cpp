@@ -169,19 +169,23 @@ void LiveFollower::dealAnew(const std::vector<contact::PartDirection>& posture,
   forgetSlides();
 }
 
-/// One that is free, if need be of a digit that does not touch now.
-void LiveFollower::takeFingerFor(const std::string& digit) {
-  const hand::Anatomy& anatomy = coordinates_.anatomy();
-  auto more = session::extendedBy(anatomy, digit, dealing_);
-  if (!more) {
-    const std::vector<std::string> touching = digitsOf(seen_);
-    session::Dealing needed = dealing_;
-    std::erase_if(needed, [&](const auto& dealt) {
-      return std::find(touching.begin(), touching.end(), dealt.first) == touching.end();
-    });
-    more = session::extendedBy(anatomy, digit, needed);
+/// For digits that have come since they were dealt: ones that are free, if need be of digits
+/// that do not touch now.
+void LiveFollower::takeFingers() {
+  const std::vector<std::string> touching = digitsOf(seen_);
+  for (const std::string& digit : touching) {
+    if (dealing_.contains(digit)) continue;
+    auto more = session::extendedBy(coordinates_.anatomy(), digit, dealing_);
+    if (!more) {
+      session::Dealing needed = dealing_;
+      std::erase_if(needed, [&](const auto& dealt) {
+        return std::find(touching.begin(), touching.end(), dealt.first) == touching.end();
+      });
+      more = session::extendedBy(coordinates_.anatomy(), digit, needed);
+      if (more) spots_.clear();  // those that lose theirs may come back on another one
+    }
+    if (more) dealing_ = std::move(*more);
   }
-  if (more) dealing_ = *more;
 }
 
 bool LiveFollower::isUnserved() const {
@@ -431,6 +435,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   last_s_ = time_s;
   touches_ = static_cast<int>(touches.size());
   seen_ = touches;
+  if (last_O_) takeFingers();
 
   // === Parts come and go
   const double fade = options_.fade.seconds > 0.0 && !paused
@@ -444,9 +449,6 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
       is_there.resize(at + 1, 0);
     }
     is_there[at] = 1;
-    if (last_O_ && touch.place.digit != hand::kPalmPart &&
-        !dealing_.contains(touch.place.digit))
-      takeFingerFor(touch.place.digit);
     meet(touch);
   }
   for (std::size_t i = 0; i < parts_.size(); ++i) {

@@ -135,7 +135,7 @@ class LiveFollower {
   [[nodiscard]] optimize::PoseProblem problemTo(const hand::HandPose& goal_O) const;
   void deal(const session::Dealing& dealing);
   void dealAnew(const std::vector<contact::PartDirection>& posture, const Progress& progress);
-  void takeFingerFor(const std::string& digit);
+  void takeFingers();
   [[nodiscard]] bool isUnserved() const;
   bool begin(const std::vector<contact::PartDirection>& posture, const Progress& progress);
   void search(const std::vector<contact::PartDirection>& posture,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -38,6 +40,8 @@ constexpr std::chrono::milliseconds kBeginPatience(200);
 // What comes and each period's end ring; the rest (patience that ends, a stop) may wait so
 // long.
 constexpr std::chrono::milliseconds kNap(20);
+// Other hands' sessions that are remembered as told of.
+constexpr std::size_t kMostTold = 256;
 
 }  // namespace
 
@@ -198,10 +202,12 @@ struct Bridge::Impl {
       if (!options.session || *options.session == session.session_id())
         trajectories.see(session);
       if (is_ours || session.phase() == v1::PHASE_CLOSED) return;
+      if (options.session && *options.session != session.session_id()) return;
       passed_over = fmt::format("session {} is of hand {}, this one is {}: passed over",
                                 session.session_id(), handgraft::quoted(session.hand()),
                                 handgraft::quoted(options.config->hand));
-      say(passed_over);
+      if (passed_over_told.size() >= kMostTold) passed_over_told.clear();
+      if (passed_over_told.insert(passed_over).second) say(passed_over);
     });
     bool is_anew = false;
     solutions->take([&](const v1::PoseSolution& solution) {
@@ -455,7 +461,8 @@ struct Bridge::Impl {
   std::uint64_t offered_stream = 0;  // of the pose that was handed over last, and when it came
   Clock::time_point offered_at{};
 
-  std::string rival;        // of the same number, and what to do about it; empty: none
+  std::string rival;  // of the same number, and what to do about it; empty: none
+  std::set<std::string> passed_over_told;  // each edit there publishes its session anew
   std::string passed_over;  // the session of another hand, since the last pose; empty: none
   OwnRefusal own_refusal;
   std::string warnings;  // how the config differs from the hand's model; empty: it does not
