@@ -28,8 +28,8 @@ namespace handgraft::retargeting {
 /// finger that touches, they are dealt out anew (session/dealing.h).
 ///
 /// A hand that is 12 mm off on average for a quarter of a second is lost: it is searched in the
-/// same way again, and where that is nearer by far it goes there, about the object, in 0.8 s.
-/// So it is where a finger has touched for as long and none of the hand's shows it.
+/// same way again, and where that is nearer by far it goes there, about the object, in 0.8 s at
+/// most. So it is where a finger has touched for as long and none of the hand's shows it.
 ///
 /// It begins with the first frame that touches with three parts: the best pose of that frame
 /// alone, from many starts, where these leave it open held as the demonstrator's hand is. After
