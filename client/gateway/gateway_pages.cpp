@@ -31,7 +31,9 @@ std::uint64_t numberIn(const Json& message, const char* key) {
 std::optional<v1::EditTime> whenIn(const Json& message) {
   const auto found = message.find("when");
   if (found == message.end() || found->is_null()) return std::nullopt;
-  return idl::fromJson<v1::EditTime>(*found, "when");
+  const auto when = idl::fromJson<v1::EditTime>(*found, "when");
+  idl::requireWhole(idl::typeOf<v1::EditTime>(), *found, "when");
+  return when;
 }
 
 std::string textIn(const Json& message, const char* key) {

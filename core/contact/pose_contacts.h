@@ -42,8 +42,8 @@ struct PoseContactOptions {
 /// Frames: all in O, metres. Errors: InvalidInput if an option is out of range, the object or
 /// all parts have no face, or no part is within reach: another frame, or a pose that touches
 /// nothing (the message says how far the nearest part is). Cancelled on wish. Cost: a
-/// nearest-place query per vertex and part within reach; O(part's faces) for each vertex in a
-/// part's bounding box.
+/// nearest-place query per vertex and part within reach, and one of the winding number, to a
+/// few hundredths (geometry/winding_number.h), for each vertex in a part's bounding box.
 ContactMap contactsFromPose(const geometry::TriangleMesh& object_O,
                             const std::vector<PosedSurface>& parts_O,
                             const PoseContactOptions& options = {},

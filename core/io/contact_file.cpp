@@ -15,6 +15,7 @@
 #include "core/contact/reproject.h"
 #include "core/formats/json_keys.h"
 #include "core/io/demonstration_file.h"
+#include "core/io/file_bytes.h"
 #include "core/io/indexed_object.h"
 #include "core/io/npz_file.h"
 #include "core/io/object_file.h"
@@ -384,15 +385,13 @@ namespace {
 
 /// A set's. Whoever gives a mesh has forgotten its picture, not written JSON badly.
 json setIn(const std::filesystem::path& path) {
-  const std::string text = textOf(path);
-  if (json::accept(text)) return json::parse(text);
   constexpr std::array<const char*, 5> kMeshes{".glb", ".gltf", ".obj", ".stl", ".dae"};
-  if (std::find(kMeshes.begin(), kMeshes.end(), path.extension()) != kMeshes.end()) {
+  if (std::find(kMeshes.begin(), kMeshes.end(), endingOf(path)) != kMeshes.end()) {
     rejectInput(
         "a mesh alone tells no contacts: its picture does (--picture FILE --colors SCALE), a "
         "PLY with a value at each vertex, or a set of patches as JSON");
   }
-  return json::parse(text);  // what is wrong with it
+  return json::parse(textOf(path));
 }
 
 }  // namespace

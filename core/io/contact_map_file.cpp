@@ -1,7 +1,6 @@
 #include "core/io/contact_map_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -9,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/io/color_map.h"
+#include "core/io/file_bytes.h"
 #include "core/io/ply_file.h"
 #include "core/io/texture_map.h"
 
@@ -122,11 +122,7 @@ ContactMap contactMapFrom(const PlyFile& ply, const ContactMapSource& source) {
 
 bool isContactMap(const std::filesystem::path& path, const ContactMapSource& source) {
   if (!source.picture.empty()) return true;
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
-  if (extension == ".ply") return true;
+  if (endingOf(path) == ".ply") return true;
   std::ifstream file(path, std::ios::binary);
   char start[3] = {};
   return file.read(start, 3) && std::string(start, 3) == "ply";

@@ -1,5 +1,7 @@
 #include "core/io/file_bytes.h"
 
+#include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <system_error>
 
@@ -22,6 +24,14 @@ std::uintmax_t requireFile(const std::filesystem::path& path) {
     rejectInput("file {} has {} bytes, at most {} are permitted", name, size, kMostBytes);
   }
   return size;
+}
+
+std::string endingOf(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  return ending;
 }
 
 std::string readFileBytes(const std::filesystem::path& path) {

@@ -10,6 +10,9 @@ namespace handgraft::io {
 /// than 4 GiB.
 std::uintmax_t requireFile(const std::filesystem::path& path);
 
+/// A name's ending in lower case, `.obj`; empty: it has none.
+std::string endingOf(const std::filesystem::path& path);
+
 /// The whole file. Errors: as requireFile, and if it cannot be read.
 std::string readFileBytes(const std::filesystem::path& path);
 

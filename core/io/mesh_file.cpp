@@ -1,7 +1,6 @@
 #include "core/io/mesh_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -37,10 +36,7 @@ FileMesh readPlyMesh(const std::filesystem::path& path) {
 
 FileMesh readAsListed(const std::filesystem::path& path) {
   requireFile(path);
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
+  const std::string extension = endingOf(path);
   if (extension == ".obj") return readObj(path);
   if (extension == ".stl") return readStl(path);
   if (extension == ".ply") return readPlyMesh(path);

@@ -58,7 +58,7 @@ double timeFor(const hand::HandPose& from_O, const hand::HandPose& to_O) {
   const double way = (to_O.X_WH.translation() - from_O.X_WH.translation()).norm();
   const double turn =
       std::max(vectorFromRotation(to_O.X_WH.linear() * from_O.X_WH.linear().transpose()).norm(),
-               (to_O.q - from_O.q).cwiseAbs().maxCoeff());
+               (to_O.q - from_O.q).lpNorm<Eigen::Infinity>());
   return std::clamp(std::max(way / kWaySpeed, turn / kWayTurning), kShortestWay, kLongestWay);
 }
 
@@ -117,6 +117,7 @@ void LiveFollower::meet(const manipulation::DetectedContact& touch) {
     part.slide_L.setZero();
     part.turn_L.setZero();
   }
+  part.digit = touch.place.digit;
   part.meant = spot;
   part.p_O = positionOf(*object_O_, touch.point_O);
   part.n_O = normalOf(*object_O_, touch.point_O);
@@ -145,7 +146,10 @@ void LiveFollower::dealAnew(const std::vector<contact::PartDirection>& posture,
       ways[0][digit] = digit;
   }
   const std::optional<hand::HandPose> here_O = last_O_;
-  const session::Dealing* best = &ways.front();
+  std::vector<std::string> digits;  // the demonstrator's, as far as the posture tells
+  for (const contact::PartDirection& part : posture)
+    if (const auto place = hand::placeNamed(part.part)) digits.push_back(place->digit);
+  const session::Dealing* best = nullptr;
   std::tuple<int, int, std::ptrdiff_t, double> least;
   for (const session::Dealing& way : ways) {
     if (ways.size() == 1) break;
@@ -158,19 +162,19 @@ void LiveFollower::dealAnew(const std::vector<contact::PartDirection>& posture,
     const std::ptrdiff_t renamed = std::count_if(way.begin(), way.end(), [](const auto& dealt) {
       return dealt.first != dealt.second;
     });
-    const std::tuple lack(now.missed, -session::neighboursServed(anatomy, way), renamed,
+    const std::tuple lack(now.missed, -session::neighboursServed(anatomy, digits, way), renamed,
                           now.distance);
-    if (&way != &ways.front() && lack >= least) continue;
+    if (best != nullptr && lack >= least) continue;
     best = &way;
     least = lack;
   }
   last_O_ = here_O;
-  deal(*best);
+  deal(best != nullptr ? *best : ways.front());
   forgetSlides();
 }
 
 /// For digits that have come since they were dealt: ones that are free, if need be of digits
-/// that do not touch now.
+/// that touch no more.
 void LiveFollower::takeFingers() {
   const std::vector<std::string> touching = digitsOf(seen_);
   for (const std::string& digit : touching) {
@@ -179,10 +183,15 @@ void LiveFollower::takeFingers() {
     if (!more) {
       session::Dealing needed = dealing_;
       std::erase_if(needed, [&](const auto& dealt) {
-        return std::find(touching.begin(), touching.end(), dealt.first) == touching.end();
+        return std::none_of(parts_.begin(), parts_.end(), [&](const TouchingPart& part) {
+          return part.digit == dealt.first && part.presence > 0.0;
+        });
       });
       more = session::extendedBy(coordinates_.anatomy(), digit, needed);
-      if (more) spots_.clear();  // those that lose theirs may come back on another one
+      if (more) {
+        spots_.clear();  // those that lose theirs may come back on another one
+        dealt_for_.clear();
+      }
     }
     if (more) dealing_ = std::move(*more);
   }
@@ -342,7 +351,6 @@ void LiveFollower::search(const std::vector<contact::PartDirection>& posture,
 LiveFollower::Standing LiveFollower::standing() const {
   Standing standing;
   double sum = 0.0;
-  int count = 0;
   hand::LinkPoses X_OL;
   hand::forwardKinematics(*hand_.model, last_O_->X_WH, last_O_->q, X_OL);
   for (const manipulation::DetectedContact& touch : seen_) {
@@ -358,9 +366,9 @@ LiveFollower::Standing LiveFollower::standing() const {
     const double facing_deg = inDegrees(angleBetween(X.linear() * pair.n_L, -pair.n_W));
     standing.missed += optimize::isReached(1e3 * distance, facing_deg) ? 0 : 1;
     sum += distance;
-    ++count;
+    ++standing.shown;
   }
-  if (count > 0) standing.distance = sum / count;
+  if (standing.shown > 0) standing.distance = sum / standing.shown;
   return standing;
 }
 
@@ -377,11 +385,17 @@ void LiveFollower::lookAnew(double time_s,
   const std::vector<TouchingPart> parts = parts_;
   const session::Dealing dealing = dealing_;
   const hand::HandPose here_O = *last_O_;
-  dealAnew(posture, progress);
+  if (digitsOf(seen_) != dealt_for_) {
+    dealAnew(posture, progress);
+  } else {
+    forgetSlides();
+  }
   search(posture, kLiveStarts, kFirstSlides, progress);
   const Standing after = standing();
   const bool serves_more = dealing_ != dealing && after.missed < before.missed;
-  if (serves_more || after.distance < kBetter * before.distance) {
+  const bool is_nearer =
+      after.shown >= before.shown && after.distance < kBetter * before.distance;
+  if (serves_more || is_nearer) {
     way_ = Way{here_O, *last_O_, time_s, timeFor(here_O, *last_O_)};
     search_from_s_ += way_->duration_s;
   } else {
@@ -464,6 +478,8 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
     solver_.begin(*last_O_);
   } else if (paused) {
     solver_.begin(*last_O_);
+    lost_s_ = unserved_s_ = 0.0;
+    search_from_s_ = time_s;
   }
   if (!paused) lookAnew(time_s, step_s, posture, progress);
   // Of frames that are far apart in several steps: places follow the hand, and it them.

@@ -91,6 +91,7 @@ class LiveFollower {
   /// What a part touches, and where on this hand.
   struct TouchingPart {
     double presence = 0.0;
+    std::string digit;                     // the demonstrator's
     std::optional<hand::LinkPoint> meant;  // none: this part has no place on the hand
     Eigen::Vector3d p_O = Eigen::Vector3d::Zero();
     Eigen::Vector3d n_O = Eigen::Vector3d::Zero();
@@ -120,7 +121,8 @@ class LiveFollower {
   /// How well the hand shows what touches now.
   struct Standing {
     int missed = 0;         ///< touches, of fingers that it lacks as well
-    double distance = 0.0;  ///< m, on average over the others
+    int shown = 0;          ///< touches that have a place on the hand
+    double distance = 0.0;  ///< m, on average over those
   };
 
   [[nodiscard]] hand::HandPose poseOn(const Way& way, double time_s) const;

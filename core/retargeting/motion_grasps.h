@@ -8,6 +8,7 @@
 #include "core/contact/contact_set.h"
 #include "core/hand/kinematics.h"
 #include "core/manipulation/motion.h"
+#include "core/manipulation/trajectory.h"
 #include "core/session/document.h"
 #include "core/session/models.h"
 #include "core/transfer/patch_placement.h"

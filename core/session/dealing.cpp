@@ -183,7 +183,11 @@ void judge(Trials& trials, std::vector<Way>& ways, const Solve& solve) {
     if (dropped > least) continue;
     lacking = dropped;
     objective = 0.0;
+    int solved = 0;
     for (std::size_t i = 0; i < documents.size(); ++i) {
+      // Of nothing that is laid nothing is missed but what is dropped.
+      if (askedPatches(documents[i]) == droppedPatches(documents[i])) continue;
+      ++solved;
       try {
         const Solution solution = solve(trials.derived(i), documents[i]);
         lacking += failedPatches(solution.problem, solution.report);
@@ -193,7 +197,8 @@ void judge(Trials& trials, std::vector<Way>& ways, const Solve& solve) {
         objective = std::numeric_limits<double>::infinity();
       }
     }
-    way.reaches_all = lacking == dropped;
+    if (solved == 0) objective = std::numeric_limits<double>::infinity();
+    way.reaches_all = solved > 0 && lacking == dropped;
     least = std::min(least, lacking);
   }
   std::stable_sort(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
@@ -274,11 +279,14 @@ std::optional<Dealing> extendedBy(const hand::Anatomy& anatomy,
   return found;
 }
 
-int neighboursServed(const hand::Anatomy& anatomy, const Dealing& dealing) {
+int neighboursServed(const hand::Anatomy& anatomy,
+                     const std::vector<std::string>& digits,
+                     const Dealing& dealing) {
   int count = 0;
   for (std::size_t rank = 1; rank < kOrder.size(); ++rank) {
     const std::string digit = kOrder[rank];
     const bool is_beside = !dealing.contains(digit) &&
+                           std::find(digits.begin(), digits.end(), digit) != digits.end() &&
                            ((rank > 1 && dealing.contains(kOrder[rank - 1])) ||
                             (rank + 1 < kOrder.size() && dealing.contains(kOrder[rank + 1])));
     count += is_beside && extendedBy(anatomy, digit, dealing) ? 1 : 0;

@@ -30,8 +30,11 @@ std::optional<Dealing> extendedBy(const hand::Anatomy& anatomy,
                                   const std::string& digit,
                                   const Dealing& dealing);
 
-/// Of the human digits beside those that are dealt, how many could be, too, each alone.
-int neighboursServed(const hand::Anatomy& anatomy, const Dealing& dealing);
+/// Of a demonstrator's `digits` beside those that are dealt, how many could be, too, each
+/// alone.
+int neighboursServed(const hand::Anatomy& anatomy,
+                     const std::vector<std::string>& digits,
+                     const Dealing& dealing);
 
 /// From thumb to little, each once.
 std::vector<std::string> inOrder(std::vector<std::string> digits);
@@ -48,7 +51,7 @@ using PlacesOfPatches = std::vector<std::optional<hand::HandLocation>>;
 /// `document`: its patches without a placement are to be laid by `places`.
 /// Deterministic. Cost: where a finger is missing, 10 to 20 ms for each way to deal, and where
 /// none of them reaches all patches as much as a solve for each: some 0.5 s for a claw's
-/// twelve.
+/// twelve; of a motion at each of its moments.
 Dealing dealFingers(const Models& models,
                     const hand::FingerCoordinates& coordinates,
                     const PlacesOfPatches& places,

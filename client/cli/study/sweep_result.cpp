@@ -151,8 +151,8 @@ FirstLoss firstLossOf(const std::vector<SweepPoint>& points, std::size_t best) {
   constexpr double kLost = 0.5;  // of a patch
   const auto loses = [&](std::size_t i) {
     // What has no answer has lost nothing that anybody knows of.
-    return points[i].solved == points[best].solved &&
-           points[i].reached <= points[best].reached - kLost;
+    return points[i].patches - points[i].reached >=
+           points[best].patches - points[best].reached + kLost;
   };
   FirstLoss loss;
   const auto above = std::find_if(at, order.end(), loses);

@@ -48,7 +48,7 @@ std::string losersAt(const SweepResult& result, std::size_t point, std::size_t b
     const v1::SweepRow& there = result.reply.rows()[point * count + g];
     const v1::SweepRow& before = result.reply.rows()[best * count + g];
     const StudyGrasp& grasp = result.grasps[g];
-    if (there.reached_count() >= before.reached_count()) continue;
+    if (!there.error().empty() || there.reached_count() >= before.reached_count()) continue;
     names += fmt::format("{}{} {} of {}{}", names.empty() ? "" : ", ", text::plain(grasp.label),
                          there.reached_count(), there.patch_count(),
                          grasp.isMotion() ? " frames" : "");

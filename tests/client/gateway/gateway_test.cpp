@@ -123,6 +123,12 @@ TEST_F(GatewayTest, TakesNoEditOfWhichAPartIsNotSaid) {
   EXPECT_EQ(
       ask(*page, R"({"do": "edit", "session": 7, "body": {"kind": "undo"}})")["error"]["code"],
       "invalid_input");
+  EXPECT_EQ(
+      ask(*page,
+          R"({"do": "edit", "session": 7, "body": {"kind": "undo", "steps": {"count": 1}}, "when": {"time_s": 1}})")
+          ["error"]["code"],
+      "invalid_input")
+      << "no falloff";
   EXPECT_EQ(server.operations(), std::vector<v1::Operation>());
 }
 

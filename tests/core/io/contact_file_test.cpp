@@ -235,11 +235,13 @@ std::string plyPlate(const std::string& comment, int link) {
 }
 
 TEST(ContactSetFile, ThatIsAMeshAsksForItsPicture) {
-  EXPECT_THAT(
-      [] {
-        readContactSet(write("cup.glb", "glTF"), backwardsPlate());
-      },
-      ThrowsMessage<InvalidInput>(AllOf(HasSubstr("cup.glb"), HasSubstr("--picture FILE"))));
+  for (const char* name : {"cup.glb", "cup.gltf", "cup.STL"}) {
+    EXPECT_THAT(
+        [&] {
+          readContactSet(write(name, "{}"), backwardsPlate());
+        },
+        ThrowsMessage<InvalidInput>(AllOf(HasSubstr(name), HasSubstr("--picture FILE"))));
+  }
 }
 
 TEST(ContactMapFile, TakesNamesFromTheComment) {

@@ -165,8 +165,12 @@ TEST(DealingFingers, OneMoreTakesAFingerThatIsFree) {
   EXPECT_EQ(extendedBy(hand, "thumb", {{"ring", "middle"}}),
             (Dealing{{"thumb", "thumb"}, {"ring", "middle"}}));
 
-  EXPECT_EQ(neighboursServed(hand, {{"middle", "index"}}), 2) << "index (turned round), ring";
-  EXPECT_EQ(neighboursServed(hand, {{"index", "index"}, {"middle", "middle"}}), 0);
+  const std::vector<std::string> all{"thumb", "index", "middle", "ring", "little"};
+  EXPECT_EQ(neighboursServed(hand, all, {{"middle", "index"}}), 2)
+      << "index (turned round), ring";
+  EXPECT_EQ(neighboursServed(hand, {"thumb", "index", "middle"}, {{"middle", "index"}}), 1)
+      << "this demonstrator has no ring finger";
+  EXPECT_EQ(neighboursServed(hand, all, {{"index", "index"}, {"middle", "middle"}}), 0);
 }
 
 /// What does not touch while most does is not to be reached beside it.

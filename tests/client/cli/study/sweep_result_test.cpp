@@ -119,7 +119,14 @@ TEST(SweepResult, FindsWhereTheFirstPatchIsLost) {
 TEST(SweepResult, LosesNoPatchWhereThereIsNoAnswer) {
   SweepResult result = resultOf({{0.1, 1, 1, 3, 3}, {0.2, 0, 0, 0, 0}, {0.3, 2, 2, 3, 2}});
   result.reply.rows()[2].error("no patch finds a place");
+  result.reply.rows()[3].reached_count(3);
   EXPECT_EQ(firstLossOf(pointsOf(result), 0).above, 2u);
+  result.reply.rows()[3].reached_count(1);
+  EXPECT_EQ(firstLossOf(pointsOf(result), 0).above, 1u) << "the other grasp lost two there";
+  EXPECT_THAT(text::sweep(result),
+              HasSubstr("above it the first patch is lost at thumb.upper = 0.2 rad (box, red 1 "
+                        "of 3)"));
+  result.reply.rows()[3].reached_count(3);
   result.reply.rows()[5].reached_count(3);
   EXPECT_THAT(text::sweep(result), HasSubstr("no patch is lost on either side"));
 }
