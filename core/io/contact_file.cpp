@@ -379,10 +379,6 @@ bool sameMesh(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) 
          a.faces() == b.faces() && a.vertices() == b.vertices();
 }
 
-}  // namespace
-
-namespace {
-
 /// A set's. Whoever gives a mesh has forgotten its picture, not written JSON badly.
 json setIn(const std::filesystem::path& path) {
   constexpr std::array<const char*, 5> kMeshes{".glb", ".gltf", ".obj", ".stl", ".dae"};

@@ -32,12 +32,6 @@ constexpr double kLost = 0.012;       // m, on average over the touches
 constexpr double kLostFor = 0.25;     // s
 constexpr double kSearchEvery = 0.5;  // s
 constexpr double kBetter = 0.6;
-// A way is as long as it takes at these speeds, within bounds.
-constexpr double kWaySpeed = 0.25;    // m/s
-constexpr double kWayTurning = 3.0;   // rad/s, of the hand and of its joints
-constexpr double kShortestWay = 0.2;  // s
-constexpr double kLongestWay = 0.8;   // s
-constexpr double kAway = 0.1;         // m, in the middle of a way about the object
 // Places yield to where the hand shows a touch like a spring.
 constexpr double kSlideShare = 0.95;
 constexpr double kSlideTime = 0.05;      // s
@@ -54,15 +48,36 @@ std::vector<std::string> digitsOf(const std::vector<manipulation::DetectedContac
   return session::inOrder(std::move(digits));
 }
 
-double timeFor(const hand::HandPose& from_O, const hand::HandPose& to_O) {
-  const double way = (to_O.X_WH.translation() - from_O.X_WH.translation()).norm();
-  const double turn =
-      std::max(vectorFromRotation(to_O.X_WH.linear() * from_O.X_WH.linear().transpose()).norm(),
-               (to_O.q - from_O.q).lpNorm<Eigen::Infinity>());
-  return std::clamp(std::max(way / kWaySpeed, turn / kWayTurning), kShortestWay, kLongestWay);
-}
-
 }  // namespace
+
+/// What a search tries: all is as it was again, unless that is kept.
+class LiveFollower::Attempt {
+ public:
+  explicit Attempt(LiveFollower& follower)
+      : follower_(follower),
+        parts_(follower.parts_),
+        fingers_(follower.fingers_),
+        last_O_(follower.last_O_) {}
+
+  ~Attempt() {
+    if (is_kept_) return;
+    follower_.parts_ = std::move(parts_);
+    follower_.fingers_ = std::move(fingers_);
+    follower_.last_O_ = std::move(last_O_);
+  }
+
+  Attempt(const Attempt&) = delete;
+  Attempt& operator=(const Attempt&) = delete;
+
+  void keep() { is_kept_ = true; }
+
+ private:
+  LiveFollower& follower_;
+  std::vector<TouchingPart> parts_;
+  LiveFingers fingers_;
+  std::optional<hand::HandPose> last_O_;
+  bool is_kept_ = false;
+};
 
 LiveFollower::LiveFollower(const session::Document& document,
                            const hand::Hand& hand,
@@ -77,7 +92,8 @@ LiveFollower::LiveFollower(const session::Document& document,
       solver_(problem_, options_),
       faces_(placement::facesOf(hand_.skin)),
       middle_O_(object_O_->vertices().rowwise().mean()),
-      parts_(manipulation::ContactTracker::partNames().size()) {
+      parts_(manipulation::ContactTracker::partNames().size()),
+      fingers_(coordinates_.anatomy()) {
   placement::makeSolids(hand_, object_O_, progress);
   if (!document.solving.avoids()) return;
   problem_.avoidance =
@@ -89,17 +105,17 @@ std::optional<hand::LinkPoint> LiveFollower::spotOf(
   const auto steps = [](double value, double step) {
     return static_cast<int>(std::lround(value / step));
   };
-  const PlaceKey key{touch.part, steps(touch.place.along, kShareStep),
+  hand::HandLocation place = touch.place;
+  if (place.digit != hand::kPalmPart) {
+    const std::string* finger = fingers_.fingerFor(place.digit);
+    if (finger == nullptr) return std::nullopt;
+    place.digit = *finger;
+  }
+  const PlaceKey key{place.digit, touch.part, steps(touch.place.along, kShareStep),
                      steps(touch.place.around_rad, kAngleStep),
                      steps(touch.place.across, kShareStep)};
   const auto known = spots_.find(key);
   if (known != spots_.end()) return known->second;
-  hand::HandLocation place = touch.place;
-  if (place.digit != hand::kPalmPart) {
-    const auto dealt = dealing_.find(place.digit);
-    if (dealt == dealing_.end()) return std::nullopt;
-    place.digit = dealt->second;
-  }
   place.along = key.along * kShareStep;
   place.around_rad = key.around * kAngleStep;
   place.across = key.across * kShareStep;
@@ -123,28 +139,22 @@ void LiveFollower::meet(const manipulation::DetectedContact& touch) {
   part.n_O = normalOf(*object_O_, touch.point_O);
 }
 
-/// From now on; what touches is meant there.
-void LiveFollower::deal(const session::Dealing& dealing) {
-  if (dealing != dealing_) spots_.clear();
-  dealing_ = dealing;
+/// Each touch from now on, by the fingers as they are dealt.
+void LiveFollower::meetAnew() {
   for (const manipulation::DetectedContact& touch : seen_)
     meet(touch);
+  for (TouchingPart& part : parts_) {
+    part.slide_L.setZero();
+    part.turn_L.setZero();
+  }
 }
 
 /// By short searches, from where the hand is: as sessions deal, which look longer. Of ways that
 /// reach as much, the one that leaves fingers for what may touch next.
 void LiveFollower::dealAnew(const std::vector<contact::PartDirection>& posture,
                             const Progress& progress) {
-  dealt_for_ = digitsOf(seen_);
-  const hand::Anatomy& anatomy = coordinates_.anatomy();
-  std::vector<session::Dealing> ways;
-  if (session::lacksDigits(anatomy)) {
-    ways = session::waysToDeal(anatomy, dealt_for_);
-  } else {
-    ways.resize(1);
-    for (const std::string& digit : dealt_for_)
-      ways[0][digit] = digit;
-  }
+  const std::vector<std::string> touching = digitsOf(seen_);
+  const std::vector<session::Dealing> ways = fingers_.waysFor(touching);
   const std::optional<hand::HandPose> here_O = last_O_;
   std::vector<std::string> digits;  // the demonstrator's, as far as the posture tells
   for (const contact::PartDirection& part : posture)
@@ -153,8 +163,8 @@ void LiveFollower::dealAnew(const std::vector<contact::PartDirection>& posture,
   std::tuple<int, int, std::ptrdiff_t, double> least;
   for (const session::Dealing& way : ways) {
     if (ways.size() == 1) break;
-    deal(way);
-    forgetSlides();
+    fingers_.choose(way, touching);
+    meetAnew();
     last_O_ = here_O;
     if (problemNow().pairs.empty()) continue;
     search(posture, kTrialStarts, kTrialSlides, progress);
@@ -162,54 +172,25 @@ void LiveFollower::dealAnew(const std::vector<contact::PartDirection>& posture,
     const std::ptrdiff_t renamed = std::count_if(way.begin(), way.end(), [](const auto& dealt) {
       return dealt.first != dealt.second;
     });
-    const std::tuple lack(now.missed, -session::neighboursServed(anatomy, digits, way), renamed,
-                          now.distance);
+    const std::tuple lack(now.missed,
+                          -session::neighboursServed(coordinates_.anatomy(), digits, way),
+                          renamed, now.distance);
     if (best != nullptr && lack >= least) continue;
     best = &way;
     least = lack;
   }
   last_O_ = here_O;
-  deal(best != nullptr ? *best : ways.front());
-  forgetSlides();
+  fingers_.choose(best != nullptr ? *best : ways.front(), touching);
+  meetAnew();
 }
 
-/// For digits that have come since they were dealt: ones that are free, if need be of digits
-/// that touch no more.
+/// For digits that have come since fingers were dealt.
 void LiveFollower::takeFingers() {
-  const std::vector<std::string> touching = digitsOf(seen_);
-  for (const std::string& digit : touching) {
-    if (dealing_.contains(digit)) continue;
-    auto more = session::extendedBy(coordinates_.anatomy(), digit, dealing_);
-    if (!more) {
-      session::Dealing needed = dealing_;
-      std::erase_if(needed, [&](const auto& dealt) {
-        return std::none_of(parts_.begin(), parts_.end(), [&](const TouchingPart& part) {
-          return part.digit == dealt.first && part.presence > 0.0;
-        });
-      });
-      more = session::extendedBy(coordinates_.anatomy(), digit, needed);
-      if (more) {
-        spots_.clear();  // those that lose theirs may come back on another one
-        dealt_for_.clear();
-      }
-    }
-    if (more) dealing_ = std::move(*more);
-  }
-}
-
-bool LiveFollower::isUnserved() const {
-  const std::vector<std::string> digits = digitsOf(seen_);
-  return digits != dealt_for_ &&
-         std::any_of(digits.begin(), digits.end(), [&](const std::string& digit) {
-           return !dealing_.contains(digit);
-         });
-}
-
-void LiveFollower::forgetSlides() {
-  for (TouchingPart& part : parts_) {
-    part.slide_L.setZero();
-    part.turn_L.setZero();
-  }
+  std::vector<std::string> present = digitsOf(seen_);
+  const std::vector<std::string> touching = present;
+  for (const TouchingPart& part : parts_)
+    if (part.presence > 0.0) present.push_back(part.digit);
+  fingers_.take(touching, present);
 }
 
 void LiveFollower::slide(double share) {
@@ -289,14 +270,12 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   requireLater(frame.time_s);
   if (jumps(frame)) {
     ++jumped_;
-    return follow(frame.time_s, frame.X_WO, steady_touches_, manipulation::postureOf(*steady_),
-                  progress);
+    return follow(frame.time_s, frame.X_WO, seen_, manipulation::postureOf(*steady_), progress);
   }
-  steady_touches_ = tracker_.see(frame);
+  const std::vector<manipulation::DetectedContact> touches = tracker_.see(frame);
   steady_ = frame;
   jumped_ = 0;
-  return follow(frame.time_s, frame.X_WO, steady_touches_, manipulation::postureOf(frame),
-                progress);
+  return follow(frame.time_s, frame.X_WO, touches, manipulation::postureOf(frame), progress);
 }
 
 bool LiveFollower::jumps(const manipulation::DemonstratedFrame& frame) const {
@@ -312,10 +291,12 @@ bool LiveFollower::jumps(const manipulation::DemonstratedFrame& frame) const {
 
 bool LiveFollower::begin(const std::vector<contact::PartDirection>& posture,
                          const Progress& progress) {
-  if (touches_ < kTouchesToBegin) return false;
+  if (touches() < kTouchesToBegin) return false;
+  Attempt attempt(*this);
   dealAnew(posture, progress);
   if (problemNow().pairs.empty()) return false;
   search(posture, kLiveStarts, kFirstSlides, progress);
+  attempt.keep();
   return true;
 }
 
@@ -350,25 +331,16 @@ void LiveFollower::search(const std::vector<contact::PartDirection>& posture,
 
 LiveFollower::Standing LiveFollower::standing() const {
   Standing standing;
-  double sum = 0.0;
-  hand::LinkPoses X_OL;
-  hand::forwardKinematics(*hand_.model, last_O_->X_WH, last_O_->q, X_OL);
-  for (const manipulation::DetectedContact& touch : seen_) {
-    const auto index = static_cast<std::size_t>(touch.part);
-    if (!parts_[index].meant) {
-      ++standing.missed;
-      continue;
-    }
-    if (parts_[index].presence < 1.0) continue;
-    const optimize::PointPair pair = pairOf(index);
-    const Pose& X = X_OL[static_cast<std::size_t>(pair.link)];
-    const double distance = (X * pair.p_L - pair.p_W).norm();
-    const double facing_deg = inDegrees(angleBetween(X.linear() * pair.n_L, -pair.n_W));
-    standing.missed += optimize::isReached(1e3 * distance, facing_deg) ? 0 : 1;
-    sum += distance;
+  const std::vector<PartFit> fits = fitsOf(seen_, Pose::Identity());
+  standing.missed = static_cast<int>(seen_.size() - fits.size());
+  double sum_mm = 0.0;
+  for (const PartFit& fit : fits) {
+    if (parts_[static_cast<std::size_t>(fit.part)].presence < 1.0) continue;
+    standing.missed += fit.reached ? 0 : 1;
+    sum_mm += fit.distance_mm;
     ++standing.shown;
   }
-  if (standing.shown > 0) standing.distance = sum / standing.shown;
+  if (standing.shown > 0) standing.distance = 1e-3 * sum_mm / standing.shown;
   return standing;
 }
 
@@ -377,48 +349,38 @@ void LiveFollower::lookAnew(double time_s,
                             const std::vector<contact::PartDirection>& posture,
                             const Progress& progress) {
   const Standing before = standing();
-  const bool may_begin = touches_ >= kTouchesToBegin;
-  lost_s_ = may_begin && before.distance > kLost ? lost_s_ + step_s : 0.0;
-  unserved_s_ = may_begin && isUnserved() ? unserved_s_ + step_s : 0.0;
+  const std::vector<std::string> touching = digitsOf(seen_);
+  const bool may_begin = touches() >= kTouchesToBegin;
+  const bool is_lost = may_begin && before.distance > kLost;
+  const bool is_unserved =
+      may_begin && fingers_.lacksOneFor(touching) && !fingers_.isChosenFor(touching);
+  lost_s_ = is_lost ? lost_s_ + step_s : 0.0;
+  unserved_s_ = is_unserved ? unserved_s_ + step_s : 0.0;
   if (way_ || std::max(lost_s_, unserved_s_) < kLostFor || time_s < search_from_s_) return;
   search_from_s_ = time_s + kSearchEvery;
-  const std::vector<TouchingPart> parts = parts_;
-  const session::Dealing dealing = dealing_;
+  const session::Dealing dealing = fingers_.dealing();
   const hand::HandPose here_O = *last_O_;
-  if (digitsOf(seen_) != dealt_for_) {
-    dealAnew(posture, progress);
-  } else {
-    forgetSlides();
+  {
+    Attempt attempt(*this);
+    if (fingers_.isChosenFor(touching)) {
+      meetAnew();
+    } else {
+      dealAnew(posture, progress);
+    }
+    search(posture, kLiveStarts, kFirstSlides, progress);
+    const Standing after = standing();
+    const bool serves_more = fingers_.dealing() != dealing && after.missed < before.missed;
+    const bool is_nearer =
+        after.shown >= before.shown && after.distance < kBetter * before.distance;
+    if (serves_more || is_nearer) {
+      attempt.keep();
+      way_.emplace(here_O, *last_O_, middle_O_, time_s);
+      search_from_s_ += way_->end() - time_s;
+      last_O_ = here_O;
+      return;
+    }
   }
-  search(posture, kLiveStarts, kFirstSlides, progress);
-  const Standing after = standing();
-  const bool serves_more = dealing_ != dealing && after.missed < before.missed;
-  const bool is_nearer =
-      after.shown >= before.shown && after.distance < kBetter * before.distance;
-  if (serves_more || is_nearer) {
-    way_ = Way{here_O, *last_O_, time_s, timeFor(here_O, *last_O_)};
-    search_from_s_ += way_->duration_s;
-  } else {
-    if (dealing_ != dealing) spots_.clear();
-    dealing_ = dealing;
-    parts_ = parts;
-  }
-  last_O_ = here_O;
-}
-
-hand::HandPose LiveFollower::poseOn(const Way& way, double time_s) const {
-  const double share = std::clamp((time_s - way.begin_s) / way.duration_s, 0.0, 1.0);
-  hand::HandPose pose = manipulation::poseBetween(way.from_O, way.to_O, share);
-  const Eigen::Vector3d from = way.from_O.X_WH.translation() - middle_O_;
-  const Eigen::Vector3d to = way.to_O.X_WH.translation() - middle_O_;
-  const Eigen::AngleAxisd turn(Eigen::Quaterniond::FromTwoVectors(from, to));
-  const double farther =
-      kAway * std::sin(std::numbers::pi * share) * std::min(1.0, turn.angle());
-  const double distance = (1.0 - share) * from.norm() + share * to.norm() + farther;
-  pose.X_WH.translation() =
-      middle_O_ +
-      distance * (Eigen::AngleAxisd(share * turn.angle(), turn.axis()) * from.normalized());
-  return pose;
+  fingers_.choose(dealing, touching);  // nothing better is known
 }
 
 optimize::PoseProblem LiveFollower::problemTo(const hand::HandPose& goal_O) const {
@@ -447,7 +409,6 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   const double step_s = last_s_ ? time_s - *last_s_ : 0.0;
   const bool paused = last_s_ && (step_s > kLivePause || step_s <= 0.0);
   last_s_ = time_s;
-  touches_ = static_cast<int>(touches.size());
   seen_ = touches;
   if (last_O_) takeFingers();
 
@@ -488,14 +449,14 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   manipulation::CausalSolver::Step step;
   for (int i = steps - 1; i >= 0; --i) {
     const double now_s = time_s - i * step_s / steps;
-    if (way_ && (paused || now_s > way_->begin_s + way_->duration_s)) way_.reset();
-    step = solver_.follow(now_s, way_ ? problemTo(poseOn(*way_, now_s)) : problemNow());
+    if (way_ && (paused || now_s > way_->end())) way_.reset();
+    step = solver_.follow(now_s, way_ ? problemTo(way_->at(now_s)) : problemNow());
     last_O_ = step.pose;
     if (!way_) slide(1.0 - std::exp(-std::max(0.0, step_s) / steps / kSlideTime));
   }
   Answer answer;
   answer.pose = {X_WO * step.pose.X_WH, step.pose.q};
-  answer.touches = touches_;
+  answer.touches = this->touches();
   answer.is_on_its_way = way_.has_value();
   answer.objective = step.objective;
   answer.evaluations = step.evaluations;

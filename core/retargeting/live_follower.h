@@ -13,8 +13,9 @@
 #include "core/optimize/solve_report.h"
 #include "core/placement/open_roots.h"
 #include "core/quality/penetration.h"
+#include "core/retargeting/live_fingers.h"
+#include "core/retargeting/live_way.h"
 #include "core/retargeting/motion_solving.h"
-#include "core/session/dealing.h"
 #include "core/session/document.h"
 #include "core/session/models.h"
 
@@ -85,7 +86,7 @@ class LiveFollower {
                                const Progress& progress);
 
   /// Of the demonstrator's last frame.
-  [[nodiscard]] int touches() const { return touches_; }
+  [[nodiscard]] int touches() const { return static_cast<int>(seen_.size()); }
 
  private:
   /// What a part touches, and where on this hand.
@@ -102,20 +103,13 @@ class LiveFollower {
 
   /// A part's place as it is kept for later frames, rounded to what a hand's skin tells apart.
   struct PlaceKey {
+    std::string finger;
     int part = 0;
     int along = 0;
     int around = 0;
     int across = 0;
 
     auto operator<=>(const PlaceKey&) const = default;
-  };
-
-  /// About the object, away from it in between.
-  struct Way {
-    hand::HandPose from_O;
-    hand::HandPose to_O;
-    double begin_s = 0.0;
-    double duration_s = 0.0;
   };
 
   /// How well the hand shows what touches now.
@@ -125,20 +119,19 @@ class LiveFollower {
     double distance = 0.0;  ///< m, on average over those
   };
 
-  [[nodiscard]] hand::HandPose poseOn(const Way& way, double time_s) const;
+  class Attempt;
+
   void requireLater(double time_s) const;
   [[nodiscard]] bool jumps(const manipulation::DemonstratedFrame& frame) const;
   void meet(const manipulation::DetectedContact& touch);
   void slide(double share);
-  void forgetSlides();
+  void meetAnew();
   [[nodiscard]] optimize::PointPair pairOf(std::size_t part) const;
   std::optional<hand::LinkPoint> spotOf(const manipulation::DetectedContact& touch);
   [[nodiscard]] optimize::PoseProblem problemNow() const;
   [[nodiscard]] optimize::PoseProblem problemTo(const hand::HandPose& goal_O) const;
-  void deal(const session::Dealing& dealing);
   void dealAnew(const std::vector<contact::PartDirection>& posture, const Progress& progress);
   void takeFingers();
-  [[nodiscard]] bool isUnserved() const;
   bool begin(const std::vector<contact::PartDirection>& posture, const Progress& progress);
   void search(const std::vector<contact::PartDirection>& posture,
               int starts,
@@ -162,21 +155,18 @@ class LiveFollower {
   std::shared_ptr<const placement::SkinFaces> faces_;
   Eigen::Vector3d middle_O_;  // of the object
   std::vector<TouchingPart> parts_;
-  session::Dealing dealing_;                         // of the digits that have touched
-  std::vector<std::string> dealt_for_;               // those that touched as it was chosen
-  std::vector<manipulation::DetectedContact> seen_;  // what touches now
+  LiveFingers fingers_;
+  std::vector<manipulation::DetectedContact> seen_;  // in the last frame
   std::map<PlaceKey, std::optional<hand::LinkPoint>> spots_;
   /// The last frame that did not jump, and how many have since.
   std::optional<manipulation::DemonstratedFrame> steady_;
-  std::vector<manipulation::DetectedContact> steady_touches_;
   int jumped_ = 0;
-  int touches_ = 0;
   std::optional<double> last_s_;
   std::optional<hand::HandPose> last_O_;  // once it has begun
   double lost_s_ = 0.0;                   // how long it has missed what is touched
   double unserved_s_ = 0.0;               // how long a finger has touched that none shows
   double search_from_s_ = 0.0;            // not searched again before
-  std::optional<Way> way_;                // to a better pose that was found far from the hand
+  std::optional<LiveWay> way_;            // to a better pose that was found far from the hand
 };
 
 }  // namespace handgraft::retargeting

@@ -61,46 +61,47 @@ std::vector<int> fullestFrames(const Motion& motion) {
 }
 
 /// The grasp as its patches are in a frame.
-session::Moment momentAt(const Motion& motion,
-                         const std::vector<std::string>& names,
-                         const contact::ContactSet& grasp,
-                         int frame) {
+session::FrameContacts contactsAt(const Motion& motion,
+                                  const std::vector<std::string>& names,
+                                  const contact::ContactSet& grasp,
+                                  int frame) {
   auto contacts = std::make_shared<contact::ContactSet>(grasp);
-  session::Moment moment;
+  session::FrameContacts in_frame;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto track =
         std::find_if(motion.tracks.begin(), motion.tracks.end(), [&](const PatchTrack& one) {
           return one.name == names[i] && isThere(one, frame);
         });
-    moment.is_there.push_back(track != motion.tracks.end());
-    if (!moment.is_there.back()) continue;
+    in_frame.is_there.push_back(track != motion.tracks.end());
+    if (!in_frame.is_there.back()) continue;
     contact::Patch& patch = contacts->patches[i];
     std::string name = std::move(patch.name);
     patch = track->keyAt(frame).patch;
     patch.name = std::move(name);
   }
-  moment.contacts = std::move(contacts);
-  return moment;
+  in_frame.contacts = std::move(contacts);
+  return in_frame;
 }
 
 }  // namespace
 
-std::vector<session::Moment> momentsOf(const Motion& motion, const contact::ContactSet& grasp) {
-  std::vector<session::Moment> moments;
-  if (isOfPoints(motion)) return moments;
+std::vector<session::FrameContacts> frameContactsOf(const Motion& motion,
+                                                    const contact::ContactSet& grasp) {
+  std::vector<session::FrameContacts> frames;
+  if (isOfPoints(motion)) return frames;
   const std::vector<std::string> names = patchNames(motion);
   for (const int frame : fullestFrames(motion))
-    moments.push_back(momentAt(motion, names, grasp, frame));
-  return moments;
+    frames.push_back(contactsAt(motion, names, grasp, frame));
+  return frames;
 }
 
-session::SessionModels motionModels(
+session::SessionModels modelsOfMotion(
     hand::Hand hand,
     const std::shared_ptr<const geometry::TriangleMesh>& object_O,
     const Motion& motion) {
   session::SessionModels models =
       session::modelsOf(std::move(hand), object_O, graspOf(motion, *object_O));
-  models.moments = momentsOf(motion, *models.contacts);
+  models.frames = frameContactsOf(motion, *models.contacts);
   return models;
 }
 
@@ -116,22 +117,16 @@ std::vector<FrameGrasp> graspFrames(
   std::vector<FrameGrasp> grasps;
   for (const int frame : fullestFrames(motion)) {
     progress.report("finding grasps", static_cast<double>(frame) / motion.frameCount());
-    const session::Moment moment = momentAt(motion, names, grasp, frame);
-    session::Document there = session::atMoment(document, moment);
+    const session::FrameContacts in_frame = contactsAt(motion, names, grasp, frame);
+    session::Document there = session::atFrame(document, in_frame);
     there.timed.clear();
     there.start_is_known = there.is_solved = false;
     if (std::none_of(there.patches.begin(), there.patches.end(), [](const auto& patch) {
           return patch.enabled && patch.placement;
         }))
       continue;
-    session::SessionModels models;
-    models.hand_name = document.hand;
-    models.hand = hand;
-    models.object_name = document.object;
-    models.object_O = object_O;
-    models.contacts_name = document.contacts;
-    models.contacts = moment.contacts;
-    session::DerivedState state(std::make_shared<session::ModelCache>(std::move(models)));
+    session::DerivedState state(std::make_shared<session::ModelCache>(
+        session::modelsFor(document, hand, object_O, in_frame.contacts)));
     try {
       state.follow(there, progress);
       session::SolveRun run;

@@ -17,11 +17,11 @@ namespace handgraft::retargeting {
 
 /// The fullest frame of each third of the motion; none of one that recorded points tell.
 /// `grasp`: the one that stands for it (graspOf).
-std::vector<session::Moment> momentsOf(const manipulation::Motion& motion,
-                                       const contact::ContactSet& grasp);
+std::vector<session::FrameContacts> frameContactsOf(const manipulation::Motion& motion,
+                                                    const contact::ContactSet& grasp);
 
 /// What a session of a motion is opened with, by the models' own names.
-session::SessionModels motionModels(
+session::SessionModels modelsOfMotion(
     hand::Hand hand,
     const std::shared_ptr<const geometry::TriangleMesh>& object_O,
     const manipulation::Motion& motion);

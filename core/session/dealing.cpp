@@ -98,20 +98,24 @@ struct Way {
   bool reaches_all = false;
 };
 
-/// What a document is solved as: itself, or of a motion each of its moments.
+/// What a document is solved as: itself, or of a motion each of its frames that count.
 class Trials {
  public:
-  Trials(const Models& models, const Document& document) : moments_(models.moments) {
-    if (moments_.empty()) derived_.emplace_back(cacheOf(models, document, models.contacts));
-    for (const Moment& moment : moments_)
-      derived_.emplace_back(cacheOf(models, document, moment.contacts));
+  Trials(const Models& models, const Document& document) : frames_(models.frames) {
+    const auto add = [&](const std::shared_ptr<const contact::ContactSet>& contacts) {
+      derived_.emplace_back(std::make_shared<ModelCache>(
+          modelsFor(document, *models.hand, models.object_O, contacts)));
+    };
+    if (frames_.empty()) add(models.contacts);
+    for (const FrameContacts& frame : frames_)
+      add(frame.contacts);
   }
 
   [[nodiscard]] std::vector<Document> of(const Document& document) const {
-    if (moments_.empty()) return {document};
+    if (frames_.empty()) return {document};
     std::vector<Document> documents;
-    for (const Moment& moment : moments_)
-      documents.push_back(atMoment(document, moment));
+    for (const FrameContacts& frame : frames_)
+      documents.push_back(atFrame(document, frame));
     return documents;
   }
 
@@ -119,21 +123,7 @@ class Trials {
   DerivedState& derived(std::size_t index) { return derived_[index]; }
 
  private:
-  static std::shared_ptr<ModelCache> cacheOf(
-      const Models& models,
-      const Document& document,
-      std::shared_ptr<const contact::ContactSet> contacts) {
-    SessionModels known;
-    known.hand_name = document.hand;
-    known.hand = *models.hand;
-    known.object_name = document.object;
-    known.object_O = models.object_O;
-    known.contacts_name = document.contacts;
-    known.contacts = std::move(contacts);
-    return std::make_shared<ModelCache>(std::move(known));
-  }
-
-  const std::vector<Moment>& moments_;
+  const std::vector<FrameContacts>& frames_;
   std::deque<DerivedState> derived_;
 };
 
@@ -233,8 +223,8 @@ std::vector<std::string> inOrder(std::vector<std::string> digits) {
   for (std::string& digit : digits)
     if (std::find(once.begin(), once.end(), digit) == once.end())
       once.push_back(std::move(digit));
-  std::stable_sort(once.begin(), once.end(), [](const auto& a, const auto& b) {
-    return rankOf(a) < rankOf(b);
+  std::sort(once.begin(), once.end(), [](const auto& a, const auto& b) {
+    return std::pair(rankOf(a), a) < std::pair(rankOf(b), b);
   });
   return once;
 }

@@ -36,7 +36,7 @@ int neighboursServed(const hand::Anatomy& anatomy,
                      const std::vector<std::string>& digits,
                      const Dealing& dealing);
 
-/// From thumb to little, each once.
+/// From thumb to little, others behind them by name; each once.
 std::vector<std::string> inOrder(std::vector<std::string> digits);
 
 /// Where on the hand that touched each patch of a document was; nothing: it is not known.
@@ -46,12 +46,11 @@ using PlacesOfPatches = std::vector<std::optional<hand::HandLocation>>;
 ///
 /// Each goes to the one of its name. Where the hand lacks one that touched, its thumb stays a
 /// thumb and the others are dealt out anew in their order across the palm, so that least of
-/// the patches is dropped or missed when it is solved, of a motion at all of its moments; the
-/// document's notes tell it.
-/// `document`: its patches without a placement are to be laid by `places`.
-/// Deterministic. Cost: where a finger is missing, 10 to 20 ms for each way to deal, and where
-/// none of them reaches all patches as much as a solve for each: some 0.5 s for a claw's
-/// twelve; of a motion at each of its moments.
+/// the patches is dropped or missed when it is solved, of a motion at all of its frames that
+/// count; the document's notes tell it. `document`: its patches without a placement are to be
+/// laid by `places`. Deterministic. Cost: where a finger is missing, 10 to 20 ms for each way
+/// to deal, and where none of them reaches all patches as much as a solve for each: some 0.5 s
+/// for a claw's twelve; of a motion at each of those frames.
 Dealing dealFingers(const Models& models,
                     const hand::FingerCoordinates& coordinates,
                     const PlacesOfPatches& places,

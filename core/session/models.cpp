@@ -158,7 +158,7 @@ Models ModelCache::find(const std::string& hand,
   models.hand = &this->hand(hand, progress);
   models.object_O = this->object(object, progress);
   models.contacts = contactsOn(object, progress);
-  if (models.contacts == first_.contacts) models.moments = first_.moments;
+  if (models.contacts == first_.contacts) models.frames = first_.frames;
   return models;
 }
 

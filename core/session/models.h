@@ -23,8 +23,8 @@ class ModelSource {
                                                                const Progress& progress) = 0;
 };
 
-/// A time of a motion: its patches as they are then, as many as the session's contacts have.
-struct Moment {
+/// A frame of a motion: its patches as they are then, as many as the session's contacts have.
+struct FrameContacts {
   std::shared_ptr<const contact::ContactSet> contacts;
   std::vector<bool> is_there;  ///< of each patch
 };
@@ -38,8 +38,8 @@ struct SessionModels {
   std::string contacts_name;
   std::shared_ptr<const contact::ContactSet> contacts;  ///< on that object's mesh
   std::shared_ptr<ModelSource> source = nullptr;        ///< null: there are no others
-  /// Where the contacts stand for a motion: times of it, by which fingers are dealt out.
-  std::vector<Moment> moments{};
+  /// Where the contacts stand for a motion: those of its frames by which fingers are dealt.
+  std::vector<FrameContacts> frames{};
 };
 
 /// Those of a grasp with the models' own names, and no others to swap to.
@@ -53,7 +53,7 @@ struct Models {
   std::shared_ptr<const geometry::TriangleMesh> object_O;
   /// On that mesh: carried there where the set was made for another one.
   std::shared_ptr<const contact::ContactSet> contacts;
-  std::vector<Moment> moments{};  ///< of a motion on that mesh
+  std::vector<FrameContacts> frames{};  ///< of a motion on that mesh
 };
 
 /// The models of one session by name: those it was opened with, and those that edits brought

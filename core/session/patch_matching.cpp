@@ -146,13 +146,27 @@ void matchPatches(const Models& models, Document& document, const Progress& prog
   }
 }
 
-Document atMoment(Document document, const Moment& moment) {
-  HANDGRAFT_REQUIRE(moment.is_there.size() == document.patches.size());
+SessionModels modelsFor(const Document& document,
+                        const hand::Hand& hand,
+                        std::shared_ptr<const geometry::TriangleMesh> object_O,
+                        std::shared_ptr<const contact::ContactSet> contacts) {
+  SessionModels models;
+  models.hand_name = document.hand;
+  models.hand = hand;
+  models.object_name = document.object;
+  models.object_O = std::move(object_O);
+  models.contacts_name = document.contacts;
+  models.contacts = std::move(contacts);
+  return models;
+}
+
+Document atFrame(Document document, const FrameContacts& frame) {
+  HANDGRAFT_REQUIRE(frame.is_there.size() == document.patches.size());
   for (std::size_t i = 0; i < document.patches.size(); ++i) {
     DocumentPatch& patch = document.patches[i];
-    patch.enabled = patch.enabled && moment.is_there[i];
+    patch.enabled = patch.enabled && frame.is_there[i];
     if (!patch.enabled) continue;
-    const contact::Patch& then = moment.contacts->patches.at(i);
+    const contact::Patch& then = frame.contacts->patches.at(i);
     patch.root_O = then.root;
     if (then.direction_O) patch.direction_O = then.direction_O;
   }

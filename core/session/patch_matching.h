@@ -22,8 +22,14 @@ Document firstDocument(ModelCache& cache,
 /// Errors: InvalidInput if no patch of the document has a place then.
 void matchPatches(const Models& models, Document& document, const Progress& progress);
 
+/// What a document's names stand for, to solve it apart from its session.
+SessionModels modelsFor(const Document& document,
+                        const hand::Hand& hand,
+                        std::shared_ptr<const geometry::TriangleMesh> object_O,
+                        std::shared_ptr<const contact::ContactSet> contacts);
+
 /// The document at a time of a motion: patches that are not there then are off.
-Document atMoment(Document document, const Moment& moment);
+Document atFrame(Document document, const FrameContacts& frame);
 
 /// The joints of a hand as its model has them.
 std::vector<DocumentJoint> jointsOf(const hand::HandModel& model);

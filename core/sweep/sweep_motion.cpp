@@ -152,7 +152,7 @@ SweepMotionBase solveMotionBase(const hand::Hand& hand,
   SweepMotionBase base;
   try {
     const session::Session session(
-        retargeting::motionModels(hand, grasp.object_O, *grasp.motion), Pose::Identity(),
+        retargeting::modelsOfMotion(hand, grasp.object_O, *grasp.motion), Pose::Identity(),
         options.weights, options.transfer);
     session::Document document = session.document();
     document.solving = options.solving;

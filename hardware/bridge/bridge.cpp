@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <set>
-#include <string>
 #include <thread>
 #include <utility>
 
@@ -16,6 +14,7 @@
 #include "hardware/bridge/inbox.h"
 #include "hardware/bridge/motion_thread.h"
 #include "hardware/bridge/own_refusal.h"
+#include "hardware/bridge/passed_over.h"
 #include "hardware/bridge/publisher.h"
 #include "hardware/bridge/server_watch.h"
 #include "hardware/bridge/stream_feed.h"
@@ -40,8 +39,6 @@ constexpr std::chrono::milliseconds kBeginPatience(200);
 // What comes and each period's end ring; the rest (patience that ends, a stop) may wait so
 // long.
 constexpr std::chrono::milliseconds kNap(20);
-// Other hands' sessions that are remembered as told of.
-constexpr std::size_t kMostTold = 256;
 
 }  // namespace
 
@@ -203,11 +200,10 @@ struct Bridge::Impl {
         trajectories.see(session);
       if (is_ours || session.phase() == v1::PHASE_CLOSED) return;
       if (options.session && *options.session != session.session_id()) return;
-      passed_over = fmt::format("session {} is of hand {}, this one is {}: passed over",
-                                session.session_id(), handgraft::quoted(session.hand()),
-                                handgraft::quoted(options.config->hand));
-      if (passed_over_told.size() >= kMostTold) passed_over_told.clear();
-      if (passed_over_told.insert(passed_over).second) say(passed_over);
+      const std::string text = fmt::format(
+          "session {} is of hand {}, this one is {}: passed over", session.session_id(),
+          handgraft::quoted(session.hand()), handgraft::quoted(options.config->hand));
+      if (passed_over.see(text)) say(text);
     });
     bool is_anew = false;
     solutions->take([&](const v1::PoseSolution& solution) {
@@ -306,7 +302,7 @@ struct Bridge::Impl {
     if (identity.session_id != pose.pose.session_id)
       say(fmt::format("following session {}", pose.pose.session_id));
     identity.session_id = pose.pose.session_id;
-    passed_over.clear();
+    passed_over.forget();
     if (!pose.is_repeat) {
       arrived = false;
       pose_number = pose.pose.sequence_number;
@@ -414,8 +410,8 @@ struct Bridge::Impl {
     status.warnings(warnings);
     // The motion never hears of sessions that are not for it.
     const bool lacks_pose = status.refusal() == v1::REFUSAL_NO_FRESH_POSE;
-    if (lacks_pose && !passed_over.empty())
-      status.last_refusal(status.last_refusal() + ": " + passed_over);
+    if (lacks_pose && !passed_over.last().empty())
+      status.last_refusal(status.last_refusal() + ": " + passed_over.last());
     if (publisher.isDue(status, now)) rivals.noteOwn(status.stamp_ns());
     try {
       publisher.publish(identity, state(), news, status, now);
@@ -462,8 +458,7 @@ struct Bridge::Impl {
   Clock::time_point offered_at{};
 
   std::string rival;  // of the same number, and what to do about it; empty: none
-  std::set<std::string> passed_over_told;  // each edit there publishes its session anew
-  std::string passed_over;  // the session of another hand, since the last pose; empty: none
+  PassedOver passed_over;
   OwnRefusal own_refusal;
   std::string warnings;  // how the config differs from the hand's model; empty: it does not
   std::string last_said, told_reason;

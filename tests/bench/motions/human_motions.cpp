@@ -254,7 +254,7 @@ void follow(const HumanSequence& sequence,
             const hand::Hand& hand,
             bool with_baselines) {
   const session::Session session(
-      retargeting::motionModels(hand, sequence.object_O, sequence.motion), Pose::Identity(),
+      retargeting::modelsOfMotion(hand, sequence.object_O, sequence.motion), Pose::Identity(),
       {});
   const double count = sequence.motion.frameCount();
   const double begin = threadMilliseconds();

@@ -213,6 +213,45 @@ TEST_F(LiveFollowing, AFingerThatComesLaterIsShownBesideTheOthers) {
   EXPECT_EQ(shown.back(), (std::vector<std::string>{"index", "ring"}));
 }
 
+// This hand can show ring or index, not both: what it finds for the index misses as much, so
+// the ring keeps its finger, and the hand stays where it is.
+TEST_F(LiveFollowing, ADealingThatShowsNoMoreIsNotTaken) {
+  const auto follower = this->follower();
+  manipulation::ContactTracker tracker(*grasp.ball);
+  std::optional<Eigen::VectorXd> before;
+  for (int k = 0; k < 120; ++k) {
+    const DemonstratedFrame frame = grip(k / 60.0, 0.8);
+    std::vector<manipulation::DetectedContact> touches = tracker.see(frame);
+    if (k < 40) touches = without("index", touches);
+    const auto answer = follower->follow(frame.time_s, frame.X_WO, touches,
+                                         manipulation::postureOf(frame), Progress());
+    ASSERT_TRUE(answer);
+    EXPECT_FALSE(answer->is_on_its_way) << k;
+    for (const LiveFollower::PartFit& fit : answer->parts)
+      EXPECT_FALSE(isOf("index", fit.part)) << k;
+    // It had come to rest long before fingers are dealt anew, 0.25 s behind the index's touch.
+    if (k > 60) {
+      EXPECT_LT((answer->pose.q - *before).cwiseAbs().maxCoeff(), 0.02) << k;
+    }
+    before = answer->pose.q;
+  }
+}
+
+// A search that is called off leaves nothing behind.
+TEST_F(LiveFollowing, IsAsItWasAfterASearchThatWasCalledOff) {
+  const auto follower = this->follower();
+  const auto other = this->follower();
+  const DemonstratedFrame frame = grip(0.0, 0.8);
+  Progress stopped;
+  stopped.cancel();
+  EXPECT_THROW((void)follower->follow(frame, stopped), Cancelled);
+  const auto answer = follower->follow(grip(0.02, 0.8), Progress());
+  const auto fresh = other->follow(grip(0.02, 0.8), Progress());
+  ASSERT_TRUE(answer && fresh);
+  EXPECT_EQ(answer->parts.size(), fresh->parts.size());
+  EXPECT_LT((answer->pose.q - fresh->pose.q).cwiseAbs().maxCoeff(), 1e-6);
+}
+
 // What the demonstrator touches is all of a sudden on the ball's other side. Followed from
 // where it is, the hand stays 20 mm and 11 mm off for good (5.6 mm where it begins there).
 TEST_F(LiveFollowing, AHandThatIsLostIsFoundAgain) {

@@ -185,10 +185,10 @@ TEST_F(MotionOfPlates, ItsFramesAreGraspedAsASessionDoes) {
   EXPECT_TRUE(grasps[1].placements[0].has_value());
   EXPECT_FALSE(grasps[1].placements[1].has_value()) << "it has gone";
 
-  const session::SessionModels models = motionModels(plates.hand, plates.plate, *motion);
-  ASSERT_EQ(models.moments.size(), 3u) << "the same frames";
-  EXPECT_EQ(models.moments[0].is_there, (std::vector<bool>{true, true}));
-  EXPECT_EQ(models.moments[1].is_there, (std::vector<bool>{true, false}));
+  const session::SessionModels models = modelsOfMotion(plates.hand, plates.plate, *motion);
+  ASSERT_EQ(models.frames.size(), 3u) << "the same frames";
+  EXPECT_EQ(models.frames[0].is_there, (std::vector<bool>{true, true}));
+  EXPECT_EQ(models.frames[1].is_there, (std::vector<bool>{true, false}));
 
   placeAsGrasped(grasps, *motion);
   const auto face_of = [&](const manipulation::PatchKey& key) {

@@ -174,7 +174,7 @@ TEST(DealingFingers, OneMoreTakesAFingerThatIsFree) {
 }
 
 /// What does not touch while most does is not to be reached beside it.
-TEST(DealingFingers, OfAMotionGoByWhatIsThereAtItsMoments) {
+TEST(DealingFingers, OfAMotionGoByWhatIsThereInItsFrames) {
   const hand::Hand hand = handOfLibrary("barrett8");
   const LabelledLemon lemon;
   const auto dropped_of = [&](const SessionModels& models) {
@@ -187,12 +187,12 @@ TEST(DealingFingers, OfAMotionGoByWhatIsThereAtItsMoments) {
   SessionModels models = modelsOf(hand, lemon.mesh, lemon.contacts);
   const std::vector<std::string> of_all = dropped_of(models);
   ASSERT_EQ(of_all.size(), 2u);
-  Moment moment{models.contacts, {}};
+  FrameContacts frame{models.contacts, {}};
   for (const contact::Patch& patch : lemon.contacts.patches) {
-    moment.is_there.push_back(patch.name == of_all[0] || patch.name == "palm" ||
-                              patch.name == "thumb_distal");
+    frame.is_there.push_back(patch.name == of_all[0] || patch.name == "palm" ||
+                             patch.name == "thumb_distal");
   }
-  models.moments = {moment};
+  models.frames = {frame};
   EXPECT_THAT(dropped_of(models), testing::Not(testing::Contains(of_all[0])));
 }
 
