@@ -49,9 +49,10 @@ CommandOutput Editor::replay(const fs::path& path) {
 }
 
 CommandOutput Editor::exportTo(const std::string& format, const fs::path& path) {
-  exportSession(server_, session_->id(), format, {"export", path});
-  return {fmt::format("wrote {}\n", handgraft::quoted(path.string())),
-          {{"format", format}, {"file", path.string()}}};
+  const std::vector<std::string> notes =
+      exportSession(server_, session_->id(), format, {"export", path});
+  return {fmt::format("wrote {}\n{}", handgraft::quoted(path.string()), text::notes(notes)),
+          {{"format", format}, {"file", path.string()}, {"notes", notes}}};
 }
 
 CommandOutput Editor::drawTo(const fs::path& path) {

@@ -218,7 +218,7 @@ CommandOutput tellTimes(const v1::SessionSettings& settings) {
   for (const v1::TimedState& timed : settings.timed()) {
     rows.push_back(
         {fmt::format("{}", rows.size() + 1), fmt::format("{:.6g} s", timed.time_s()),
-         timed.falloff_s() > 0.0 ? fmt::format("+- {:.4g} s", timed.falloff_s()) : "that frame",
+         timed.falloff_s() > 0.0 ? fmt::format("+- {:.7g} s", timed.falloff_s()) : "that frame",
          plain(timed.text())});
     times.push_back(json::jsonOf(timed));
   }

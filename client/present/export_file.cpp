@@ -2,8 +2,11 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "client/link/model_files.h"
 #include "client/present/grasp_picture.h"
+#include "client/present/joint_unit.h"
 #include "client/present/motion_picture.h"
 #include "client/present/png_file.h"
 #include "core/base/error.h"
@@ -95,10 +98,31 @@ const std::vector<std::string>& exportFormats() {
   return all_formats;
 }
 
-void exportSession(Client& server,
-                   std::uint64_t session_id,
-                   const std::string& format,
-                   const NamedFile& file) {
+std::vector<std::string> beyondOwnLimits(const v1::SessionSettings& settings, bool is_motion) {
+  constexpr double kSame = 1e-9;  // rad or m; what writing and reading a number may cost
+  std::vector<std::string> notes;
+  for (const v1::JointSetting& joint : settings.joints()) {
+    const double least = is_motion ? joint.lower() : joint.value();
+    const double most = is_motion ? joint.upper() : joint.value();
+    if (least >= joint.model_lower() - kSame && most <= joint.model_upper() + kSame) continue;
+    const JointUnit unit = unitOf(joint.kind());
+    const std::string own = fmt::format("beyond the hand's own limits, {:.4g} to {:.4g} {}",
+                                        unit.scale * joint.model_lower(),
+                                        unit.scale * joint.model_upper(), unit.name);
+    notes.push_back(is_motion
+                        ? fmt::format("joint {} may go from {:.4g} to {:.4g} {}, {}",
+                                      quoted(joint.name()), unit.scale * least,
+                                      unit.scale * most, unit.name, own)
+                        : fmt::format("joint {} is at {:.4g} {}, {}", quoted(joint.name()),
+                                      unit.scale * least, unit.name, own));
+  }
+  return notes;
+}
+
+std::vector<std::string> exportSession(Client& server,
+                                       std::uint64_t session_id,
+                                       const std::string& format,
+                                       const NamedFile& file) {
   requireWritable(file);
   v1::ExportRequest request;
   request.session_id(session_id);
@@ -110,6 +134,8 @@ void exportSession(Client& server,
                           .string());
   }
   writeFile(file.path, server.exportSession(request).get());
+  const v1::SessionSettings settings = server.settings(session_id).get();
+  return beyondOwnLimits(settings, !settings.state().motion().empty());
 }
 
 }  // namespace handgraft::client

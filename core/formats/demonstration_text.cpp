@@ -8,7 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/formats/demonstration_arrays.h"
 #include "core/formats/json_keys.h"
+#include "core/formats/npz_file.h"
+#include "core/formats/zip_file.h"
 
 namespace handgraft::formats {
 
@@ -117,9 +120,10 @@ Demonstration demonstrationFrom(const json& root) {
   return demonstration;
 }
 
-Demonstration parseDemonstration(std::string_view text) {
+Demonstration parseDemonstration(std::string_view bytes) {
   try {
-    return demonstrationFrom(json::parse(text));
+    return isZip(bytes) ? demonstrationFrom(readNpz(bytes))
+                        : demonstrationFrom(json::parse(bytes));
   } catch (const json::exception& error) {
     rejectInput("{}", error.what());
   }

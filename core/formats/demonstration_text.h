@@ -27,8 +27,9 @@ struct Demonstration {
   std::vector<DemonstrationFrame> frames;  ///< at least one; their times grow
 };
 
+/// Of JSON, or of NumPy's `.npz` (demonstration_arrays.h).
 /// Errors: InvalidInput naming the field and the frame, or where the JSON ends to be such.
-Demonstration parseDemonstration(std::string_view text);
+Demonstration parseDemonstration(std::string_view bytes);
 
 /// The same of JSON that was parsed, or made.
 Demonstration demonstrationFrom(const nlohmann::json& root);

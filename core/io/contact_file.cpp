@@ -14,10 +14,10 @@
 #include "core/base/error.h"
 #include "core/contact/reproject.h"
 #include "core/formats/json_keys.h"
+#include "core/formats/zip_file.h"
 #include "core/io/demonstration_file.h"
 #include "core/io/file_bytes.h"
 #include "core/io/indexed_object.h"
-#include "core/io/npz_file.h"
 #include "core/io/object_file.h"
 
 namespace handgraft::io {
@@ -400,7 +400,7 @@ ContactSet readContactSet(const std::filesystem::path& path, const MeshFile& obj
 
 std::string objectNameIn(const std::filesystem::path& path) {
   if (isContactMap(path)) return "";
-  if (isNpz(readFileBytes(path))) return objectOfNpz(path);  // a demonstration
+  if (formats::isZip(readFileBytes(path))) return objectOfNpz(path);  // a demonstration
   return namingFile(path, [&]() -> std::string {
     const json root = setIn(path);
     if (!root.is_object() || !root.contains("object")) return "";

@@ -11,12 +11,12 @@
 #include "core/base/error.h"
 #include "core/formats/demonstration_text.h"
 #include "core/formats/json_keys.h"
+#include "core/formats/zip_file.h"
 #include "core/io/contact_file.h"
 #include "core/io/demonstration_file.h"
 #include "core/io/file_bytes.h"
 #include "core/io/motion_file.h"
 #include "core/io/motion_import.h"
-#include "core/io/npz_file.h"
 #include "core/manipulation/grasp_interpolation.h"
 
 namespace handgraft::io {
@@ -100,7 +100,7 @@ Motion plannedFrom(const json& root, const MeshFile& object, const FileOf& file_
 Motion readMotionFrom(const std::filesystem::path& path,
                       const MeshFile& object,
                       const FileOf& file_of) {
-  if (isNpz(readFileBytes(path))) return readDemonstratedMotion(path, object.mesh);
+  if (formats::isZip(readFileBytes(path))) return readDemonstratedMotion(path, object.mesh);
   const json root = rootOf(path);
   if (root.value("format", json()) == kTrajectoryFormat)
     rejectInput("{}: is what a hand did; it takes that hand to tell what it touched",
@@ -125,7 +125,7 @@ Motion readMotionFrom(const std::filesystem::path& path,
 
 std::optional<HandTrajectoryPlan> readHandTrajectoryPlan(const std::filesystem::path& path,
                                                          const FileOf& file_of) {
-  if (isNpz(readFileBytes(path))) return std::nullopt;
+  if (formats::isZip(readFileBytes(path))) return std::nullopt;
   const json root = rootOf(path);
   if (!isPlan(root) || !root.contains("hand_trajectory")) return std::nullopt;
   HandTrajectoryPlan plan;

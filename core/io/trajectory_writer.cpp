@@ -13,8 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/formats/npz_file.h"
 #include "core/io/hand_trajectory_file.h"
-#include "core/io/npz_file.h"
 #include "core/io/trajectory_rows.h"
 
 namespace handgraft::io {
@@ -172,7 +172,7 @@ std::string trajectoryNpz(const HandTrajectory& trajectory) {
       contact_pos.insert(contact_pos.end(), patch.p_W.data(), patch.p_W.data() + 3);
     }
   }
-  NpzFile file;
+  formats::NpzFile file;
   file.add("time", rows.time_s, {frames});
   // Columns one behind the other are rows of what NumPy reads.
   file.add("qpos", {rows.qpos.data(), rows.qpos.data() + rows.qpos.size()},

@@ -124,11 +124,14 @@ std::string text(const DragPath& way) {
   return fmt::format("drag {}", shortened(way.link));
 }
 
+/// A change at a time; `change` says what it is.
+std::string text(const EditTime& when, const std::string& change) {
+  const std::string text = fmt::format("{} at {:.6g} s", change, when.time_s);
+  return when.falloff_s > 0.0 ? fmt::format("{} +- {:.7g} s", text, when.falloff_s) : text;
+}
+
 std::string text(const TimedEdit& edit) {
-  const std::string when =
-      fmt::format("{} at {:.6g} s", describe(edit.change), edit.when.time_s);
-  return edit.when.falloff_s > 0.0 ? fmt::format("{} +- {:.4g}", when, edit.when.falloff_s)
-                                   : when;
+  return text(edit.when, describe(edit.change));
 }
 
 std::string text(const RemoveTimedEdit& edit) {
@@ -143,17 +146,45 @@ std::string unitBehind(const hand::HandModel& model, const std::string& joint) {
   return "";
 }
 
+// Joints' values with their units, which only the hand tells.
+template <class OneEdit>
+std::string textIn(const OneEdit& edit, const hand::HandModel& /*model*/) {
+  return text(edit);
+}
+
+std::string textIn(const JointLimitEdit& edit, const hand::HandModel& model) {
+  return text(edit, unitBehind(model, edit.joint));
+}
+
+std::string textIn(const JointSoftEdit& edit, const hand::HandModel& model) {
+  return text(edit, unitBehind(model, edit.joint));
+}
+
+std::string textIn(const PriorEdit& edit, const hand::HandModel& model) {
+  return edit.joints.size() == 1 ? text(edit, unitBehind(model, edit.joints.front()))
+                                 : text(edit);
+}
+
+std::string textIn(const TimedEdit& edit, const hand::HandModel& model) {
+  return text(edit.when, describe(edit.change, model));
+}
+
 }  // namespace
 
 std::string describe(const Edit& edit, const hand::HandModel& model) {
-  if (const auto* limit = std::get_if<JointLimitEdit>(&edit))
-    return text(*limit, unitBehind(model, limit->joint));
-  if (const auto* soft = std::get_if<JointSoftEdit>(&edit))
-    return text(*soft, unitBehind(model, soft->joint));
-  const auto* prior = std::get_if<PriorEdit>(&edit);
-  if (prior != nullptr && prior->joints.size() == 1)
-    return text(*prior, unitBehind(model, prior->joints.front()));
-  return describe(edit);
+  return std::visit(
+      [&model](const auto& one) {
+        return textIn(one, model);
+      },
+      edit);
+}
+
+std::string describe(const TimedChange& change, const hand::HandModel& model) {
+  return std::visit(
+      [&model](const auto& one) {
+        return textIn(one, model);
+      },
+      change);
 }
 
 std::string describe(const Edit& edit) {

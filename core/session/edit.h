@@ -359,5 +359,6 @@ std::string describe(const Edit& edit, const hand::HandModel& model);
 
 /// What is edited at a time, without the time.
 std::string describe(const TimedChange& change);
+std::string describe(const TimedChange& change, const hand::HandModel& model);
 
 }  // namespace handgraft::session

@@ -105,7 +105,7 @@ v1::SessionSettings settingsMessage(const session::Session& session) {
     v1::TimedState timed;
     timed.time_s(edit.when.time_s);
     timed.falloff_s(edit.when.falloff_s);
-    timed.text(describe(edit.change));
+    timed.text(describe(edit.change, model));
     message.timed().push_back(std::move(timed));
   }
   return message;

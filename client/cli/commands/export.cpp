@@ -9,6 +9,7 @@
 #include "client/present/interactive_client.h"
 #include "client/present/json_output.h"
 #include "client/present/output_file.h"
+#include "client/present/text_output.h"
 #include "core/base/error.h"
 
 namespace handgraft::client {
@@ -29,18 +30,20 @@ int run(const ExportOptions& options, const CommonOptions& common, Interruption&
     rejectInput("session {} holds a grasp, no motion; handgraft export writes it: {}",
                 session_id, fmt::join(exportFormats(), ", "));
   }
+  std::vector<std::string> notes;
   if (options.format == kHtml) {
     writeFile(options.out, gateway::pageFile(server, session_id, page));
   } else {
-    exportSession(server, session_id, options.format, {"--out", options.out});
+    notes = exportSession(server, session_id, options.format, {"--out", options.out});
   }
   if (common.json) {
     fmt::print("{}\n", json::written({{"session_id", session_id},
                                       {"format", options.format},
-                                      {"file", options.out.string()}},
+                                      {"file", options.out.string()},
+                                      {"notes", notes}},
                                      2));
   } else {
-    fmt::print("wrote {}\n", quoted(options.out.string()));
+    fmt::print("wrote {}\n{}", quoted(options.out.string()), text::notes(notes));
   }
   return 0;
 }

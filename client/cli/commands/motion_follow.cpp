@@ -18,6 +18,7 @@
 #include "client/link/session_id.h"
 #include "client/present/interactive_client.h"
 #include "client/present/interruption.h"
+#include "client/present/joint_unit.h"
 #include "client/present/json_output.h"
 
 namespace handgraft::client {
@@ -132,9 +133,13 @@ int run(const MotionFollowOptions& options,
                                       {"message", state.message()}},
                                      2));
   } else {
+    const JointUnit unit =
+        unitOfLargest(server.describe(v1::MODEL_HAND, state.hand(), false).get().hand());
     fmt::print(
-        "{} frames, {} answered by a pose; p50 {:.1f} ms, p99 {:.1f} ms; largest step {:.4f}\n",
-        writer.count(), answers.count(), p50, p99, answers.largestStep());
+        "{} frames, {} answered by a pose; p50 {:.1f} ms, p99 {:.1f} ms; largest step {:.3g} "
+        "{}\n",
+        writer.count(), answers.count(), p50, p99, unit.scale * answers.largestStep(),
+        unit.name);
     if (!state.message().empty()) fmt::print("{}\n", state.message());
   }
   return 0;

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "core/formats/npz_file.h"
 #include "core/io/contact_file.h"
 #include "core/io/motion_file.h"
-#include "core/io/npz_file.h"
 
 #include "tests/support/shared_data.h"
 
@@ -186,7 +186,7 @@ TEST_F(MotionPlan, AHumanHandOverTimeIsAMotionOfWhatItTouches) {
 }
 
 TEST_F(MotionPlan, AManoSequenceMayBeNumPys) {
-  NpzFile file;
+  formats::NpzFile file;
   file.add("global_orient", std::vector<double>(9, 0.0), {3, 3});
   file.add("hand_pose", std::vector<double>(3 * 45, 0.0), {3, 45});
   file.add("transl", std::vector<double>(9, 0.0), {3, 3});
@@ -212,10 +212,10 @@ TEST_F(MotionPlan, AManoSequenceMayBeNumPys) {
   };
   for (std::size_t size = 5; size + 1 < bytes.size(); size += 97)
     EXPECT_NE(objection(bytes.substr(0, size)), "") << size;
-  NpzFile lacking;
+  formats::NpzFile lacking;
   lacking.add("pose", std::vector<double>(96, 0.0), {2, 48});
   EXPECT_THAT(objection(lacking.bytes()), HasSubstr("'fps'"));
-  NpzFile narrow;
+  formats::NpzFile narrow;
   narrow.add("pose", std::vector<double>(20, 0.0), {2, 10});
   EXPECT_THAT(objection(narrow.bytes()), AllOf(HasSubstr("'pose'"), HasSubstr("48")));
 }

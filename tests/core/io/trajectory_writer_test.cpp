@@ -11,7 +11,6 @@
 
 #include "core/geometry/triangle_mesh.h"
 #include "core/io/hand_trajectory_file.h"
-#include "core/io/npz_file.h"
 #include "core/io/trajectory_rows.h"
 
 #include "tests/support/shared_data.h"
@@ -134,22 +133,6 @@ TEST(TrajectoryWriter, GlbMovesEveryPartOverTheWholeTime) {
                           .at(animation.at("samplers").at(0).at("input").get<std::size_t>());
   EXPECT_EQ(times.at("count"), 11);
   EXPECT_EQ(times.at("max").at(0), 1.0);
-}
-
-TEST(NpzFile, IsAZipOfArraysThatNumpyKnows) {
-  NpzFile file;
-  file.add("a", {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}, {2, 3});
-  file.add("names", {"x", "gr\xC3\xBC\xC3\x9F"});
-  const std::string bytes = file.bytes();
-  EXPECT_EQ(bytes.substr(0, 4), "PK\x03\x04");
-  EXPECT_THAT(bytes,
-              testing::HasSubstr("'descr': '<f8', 'fortran_order': False, 'shape': (2,3,)"));
-  EXPECT_THAT(bytes, testing::HasSubstr("'descr': '<U4'"));
-  // CRC-32 of the member, as any zip program checks it, of bytes worked out by hand elsewhere.
-  const std::size_t begin = bytes.find("\x93NUMPY");
-  ASSERT_NE(begin, std::string::npos);
-  EXPECT_EQ((begin + 10 + static_cast<unsigned char>(bytes[begin + 8]) - begin) % 64, 0u);
-  EXPECT_EQ(file.bytes(), bytes);
 }
 
 }  // namespace

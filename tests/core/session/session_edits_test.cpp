@@ -50,6 +50,16 @@ TEST(SessionEdit, TellsLimitsInDegrees) {
   EXPECT_EQ(session.document().joints[0].upper, 60.0) << "taken all the same";
 }
 
+TEST(SessionEdit, OfATimeIsToldWithUnits) {
+  const Session session = BallGrasp().open();
+  const hand::HandModel& model = *session.hand().model;
+  const TimedEdit limit{{2.0, 1e6}, JointLimitEdit{"thumb_1", -0.4, 1.2}};
+  EXPECT_EQ(describe(limit, model), "limit thumb_1 -0.4 to 1.2 rad at 2 s +- 1000000 s");
+  EXPECT_EQ(describe(limit.change, model), "limit thumb_1 -0.4 to 1.2 rad");
+  EXPECT_EQ(describe(TimedEdit{{0.5, 0.0}, JointSoftEdit{"thumb_1", 0.25, 2.0}}, model),
+            "soft thumb_1 0.25 rad weight 2 at 0.5 s");
+}
+
 TEST(SessionEdit, ThatIsWrongChangesNothing) {
   Session session = transferred();
   const auto refuses = [&](const Edit& edit, const char* text) {

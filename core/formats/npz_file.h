@@ -1,13 +1,14 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace handgraft::io {
+#include "core/formats/zip_file.h"
+
+namespace handgraft::formats {
 
 /// NumPy arrays by name, as `numpy.load` reads them: a zip file whose members are NPY 1.0, not
 /// compressed. The same arrays give the same bytes.
@@ -26,32 +27,26 @@ class NpzFile {
   [[nodiscard]] std::string bytes() const;
 
  private:
-  struct Member {
-    std::string name;
-    std::string content;
-  };
-
   void add(const std::string& name,
            const std::string& type,
            const std::vector<std::size_t>& shape,
            std::string_view values);
 
-  std::vector<Member> members_;
+  std::vector<ZipMember> members_;
 };
 
-/// An array of a file: numbers in double precision, the last index fastest.
+/// An array of a file: numbers in double precision, the last index fastest, whatever order they
+/// were written in.
 struct NpzArray {
+  std::string type;  ///< as NumPy writes it: "<f8"
   std::vector<std::size_t> shape;
-  std::vector<double> values;
-  std::string text;  ///< of a single text, which has no values
+  std::vector<double> values;  ///< empty of what holds no numbers
+  std::string text;            ///< of a single text
 };
 
-/// What `numpy.savez` wrote: arrays of numbers, and single texts, by name. Arrays of anything
-/// else are left out. Errors: InvalidInput for what is no such file, breaks off, is compressed
-/// (`numpy.savez_compressed`), or holds more than 2^28 numbers.
+/// What `numpy.savez` or `numpy.savez_compressed` wrote, by name: arrays of numbers, single
+/// texts, and of anything else the type alone. Errors: InvalidInput for what is no such file
+/// (zip_file.h), breaks off, or holds more than 4 million numbers and two a byte of the file.
 std::map<std::string, NpzArray> readNpz(std::string_view bytes);
 
-/// As such files begin.
-bool isNpz(std::string_view bytes);
-
-}  // namespace handgraft::io
+}  // namespace handgraft::formats
