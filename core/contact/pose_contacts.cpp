@@ -4,14 +4,10 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <optional>
-
-#include <Eigen/Geometry>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/contact/edge_refinement.h"
-#include "core/geometry/surface_locator.h"
-#include "core/geometry/winding_number.h"
 
 namespace handgraft::contact {
 namespace {
@@ -19,42 +15,6 @@ namespace {
 using geometry::TriangleMesh;
 
 constexpr int kBatch = 256;  // vertices between two reports
-
-/// One part with what its queries need; parts without faces are in reach of nothing.
-class Part {
- public:
-  explicit Part(const TriangleMesh& mesh_O) {
-    if (mesh_O.faceCount() == 0) return;
-    locator_.emplace(mesh_O);
-    winding_.emplace(mesh_O);
-    for (int f = 0; f < mesh_O.faceCount(); ++f) {
-      for (const int v : mesh_O.face(f))
-        box_.extend(mesh_O.vertex(v));
-    }
-  }
-
-  /// Distance to the surface; infinity beyond `reach`.
-  [[nodiscard]] double distance(const Eigen::Vector3d& p_O, double reach) const {
-    if (!locator_ || box_.exteriorDistance(p_O) > reach)
-      return std::numeric_limits<double>::infinity();
-    const auto hit = locator_->nearest(p_O, reach);
-    return hit ? hit->distance : std::numeric_limits<double>::infinity();
-  }
-
-  /// How far inside; below 0 outside, minus infinity beyond `reach`.
-  [[nodiscard]] double depth(const Eigen::Vector3d& p_O, double reach) const {
-    return contains(p_O) ? locator_->nearest(p_O).distance : -distance(p_O, reach);
-  }
-
-  [[nodiscard]] bool contains(const Eigen::Vector3d& p_O) const {
-    return winding_ && box_.contains(p_O) && winding_->at(p_O) > 0.5;
-  }
-
- private:
-  std::optional<geometry::SurfaceLocator> locator_;
-  std::optional<geometry::WindingNumber> winding_;
-  Eigen::AlignedBox3d box_;
-};
 
 void validate(const PoseContactOptions& options) {
   if (!(options.reach_m > 0.0) || !std::isfinite(options.reach_m)) {
@@ -75,13 +35,14 @@ double contactAt(double depth, double deepest, const PoseContactOptions& options
 }
 
 [[noreturn]] void rejectFarHand(const TriangleMesh& object_O,
-                                const std::vector<Part>& parts,
+                                const std::vector<PartSurface>& parts,
+                                const std::vector<Pose>& X_LO,
                                 const Progress& progress) {
   double nearest = std::numeric_limits<double>::infinity();
   for (int v = 0; v < object_O.vertexCount(); ++v) {
     if (v % kBatch == 0) progress.checkpoint();
-    for (const Part& part : parts)
-      nearest = std::min(nearest, part.distance(object_O.vertex(v), nearest));
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      nearest = std::min(nearest, parts[i].distance(X_LO[i] * object_O.vertex(v), nearest));
   }
   rejectInput(
       "the posed hand touches nothing: its nearest part is {:.0f} mm from the object; is the "
@@ -91,24 +52,66 @@ double contactAt(double depth, double deepest, const PoseContactOptions& options
 
 }  // namespace
 
+PartSurface::PartSurface(std::string name, const TriangleMesh& mesh_L)
+    : name_(std::move(name)) {
+  if (mesh_L.faceCount() == 0) return;
+  locator_.emplace(mesh_L);
+  winding_.emplace(mesh_L);
+  for (int f = 0; f < mesh_L.faceCount(); ++f) {
+    for (const int v : mesh_L.face(f))
+      box_L_.extend(mesh_L.vertex(v));
+  }
+}
+
+double PartSurface::distance(const Eigen::Vector3d& p_L, double reach) const {
+  if (!locator_ || box_L_.exteriorDistance(p_L) > reach)
+    return std::numeric_limits<double>::infinity();
+  const auto hit = locator_->nearest(p_L, reach);
+  return hit ? hit->distance : std::numeric_limits<double>::infinity();
+}
+
+double PartSurface::depth(const Eigen::Vector3d& p_L, double reach) const {
+  return contains(p_L) ? locator_->nearest(p_L).distance : -distance(p_L, reach);
+}
+
+bool PartSurface::contains(const Eigen::Vector3d& p_L) const {
+  return winding_ && box_L_.contains(p_L) && winding_->at(p_L) > 0.5;
+}
+
 ContactMap contactsFromPose(const TriangleMesh& object_O,
                             const std::vector<PosedSurface>& parts_O,
                             const PoseContactOptions& options,
                             const Progress& progress) {
-  validate(options);
-  if (object_O.faceCount() == 0) rejectInput("the object has no face to be touched");
-  std::vector<Part> parts;
+  std::vector<PartSurface> parts;
   parts.reserve(parts_O.size());
+  for (const PosedSurface& part : parts_O)
+    parts.emplace_back(part.name, part.mesh_O);
+  return contactsOnVertices(refineEdges(object_O, options.longest_edge_m), parts,
+                            std::vector<Pose>(parts.size(), Pose::Identity()), options,
+                            progress);
+}
+
+ContactMap contactsOnVertices(const TriangleMesh& mesh_O,
+                              const std::vector<PartSurface>& parts,
+                              const std::vector<Pose>& X_OL,
+                              const PoseContactOptions& options,
+                              const Progress& progress) {
+  HANDGRAFT_REQUIRE(X_OL.size() == parts.size());
+  validate(options);
+  if (mesh_O.faceCount() == 0) rejectInput("the object has no face to be touched");
   ContactMap map;
   bool any_face = false;
-  for (const PosedSurface& part : parts_O) {
-    parts.emplace_back(part.mesh_O);
-    map.segment_names.push_back(part.name);
-    any_face = any_face || part.mesh_O.faceCount() > 0;
+  std::vector<Pose> X_LO;
+  std::vector<Eigen::Vector3d> centres_O;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    map.segment_names.push_back(parts[i].name());
+    any_face = any_face || parts[i].hasFaces();
+    X_LO.push_back(inverse(X_OL[i]));
+    centres_O.push_back(X_OL[i] * parts[i].centre_L());
   }
   if (!any_face) rejectInput("the posed hand has no surface: none of its parts has a face");
 
-  map.mesh_O = refineEdges(object_O, options.longest_edge_m);
+  map.mesh_O = mesh_O;
   map.value = Eigen::VectorXd::Zero(map.mesh_O.vertexCount());
   map.label.assign(static_cast<std::size_t>(map.mesh_O.vertexCount()), -1);
   // === How deep each vertex lies in the part that is nearest to it, and each part at all
@@ -121,8 +124,11 @@ ContactMap contactsFromPose(const TriangleMesh& object_O,
                       static_cast<double>(v) / map.mesh_O.vertexCount());
       progress.checkpoint();
     }
+    const Eigen::Vector3d p_O = map.mesh_O.vertex(v);
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      const double d = parts[i].depth(map.mesh_O.vertex(v), options.reach_m);
+      const double away = parts[i].radius() + options.reach_m;
+      if (!parts[i].hasFaces() || (p_O - centres_O[i]).squaredNorm() > away * away) continue;
+      const double d = parts[i].depth(X_LO[i] * p_O, options.reach_m);
       if (!(d > -options.reach_m)) continue;
       deepest[i] = std::max(deepest[i], d);
       if (!(d > depth[v])) continue;
@@ -140,7 +146,7 @@ ContactMap contactsFromPose(const TriangleMesh& object_O,
     if (map.value[v] <= 0.0) label = -1;
     any_contact = any_contact || map.value[v] > 0.0;
   }
-  if (!any_contact) rejectFarHand(map.mesh_O, parts, progress);
+  if (!any_contact) rejectFarHand(map.mesh_O, parts, X_LO, progress);
   return map;
 }
 

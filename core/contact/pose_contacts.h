@@ -1,11 +1,17 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
+#include "core/base/pose.h"
 #include "core/base/progress.h"
 #include "core/contact/contact_map.h"
+#include "core/geometry/surface_locator.h"
 #include "core/geometry/triangle_mesh.h"
+#include "core/geometry/winding_number.h"
 
 namespace handgraft::contact {
 
@@ -13,6 +19,35 @@ namespace handgraft::contact {
 struct PosedSurface {
   std::string name;               ///< of the link; its finger is found by fingerOfSegment
   geometry::TriangleMesh mesh_O;  ///< faces counter-clockwise seen from outside
+};
+
+/// A part of a hand in its own frame, with what many poses of it ask for; one without faces is
+/// in reach of nothing. Const and safe from several threads. Cost to make: O(F log F).
+class PartSurface {
+ public:
+  PartSurface(std::string name, const geometry::TriangleMesh& mesh_L);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+  [[nodiscard]] bool hasFaces() const { return locator_.has_value(); }
+
+  /// A ball about all of it.
+  [[nodiscard]] Eigen::Vector3d centre_L() const { return box_L_.center(); }
+
+  [[nodiscard]] double radius() const { return 0.5 * box_L_.diagonal().norm(); }
+
+  /// Distance to the surface; infinity beyond `reach`.
+  [[nodiscard]] double distance(const Eigen::Vector3d& p_L, double reach) const;
+  /// How far inside; below 0 outside, minus infinity beyond `reach`.
+  [[nodiscard]] double depth(const Eigen::Vector3d& p_L, double reach) const;
+
+ private:
+  [[nodiscard]] bool contains(const Eigen::Vector3d& p_L) const;
+
+  std::string name_;
+  std::optional<geometry::SurfaceLocator> locator_;
+  std::optional<geometry::WindingNumber> winding_;
+  Eigen::AlignedBox3d box_L_;
 };
 
 struct PoseContactOptions {
@@ -48,5 +83,13 @@ ContactMap contactsFromPose(const geometry::TriangleMesh& object_O,
                             const std::vector<PosedSurface>& parts_O,
                             const PoseContactOptions& options = {},
                             const Progress& progress = Progress());
+
+/// The same on the mesh's own vertices, however far apart they are, with the parts at `X_OL`:
+/// for many poses of a hand on an object whose edges were refined once (refineEdges).
+ContactMap contactsOnVertices(const geometry::TriangleMesh& mesh_O,
+                              const std::vector<PartSurface>& parts,
+                              const std::vector<Pose>& X_OL,
+                              const PoseContactOptions& options,
+                              const Progress& progress);
 
 }  // namespace handgraft::contact

@@ -12,13 +12,11 @@
 #include <fmt/ranges.h>
 
 #include "core/base/error.h"
+#include "core/contact/edge_refinement.h"
 #include "core/contact/reproject.h"
 #include "core/contact/threshold.h"
 #include "core/geometry/tangent.h"
-#include "core/hand/finger_coordinates.h"
-#include "core/hand/hand_parts.h"
 #include "core/hand/turned_parts.h"
-#include "core/placement/open_roots.h"
 
 namespace handgraft::demonstration {
 
@@ -35,11 +33,12 @@ struct PosedHand {
 };
 
 /// The part of each link: a segment's, or what HandParts calls it.
-std::vector<std::string> partsOf(const PosedHand& posed) {
+std::vector<std::string> partsOf(const hand::FingerCoordinates& coordinates,
+                                 const hand::HandParts& parts) {
   std::vector<std::string> names;
-  for (std::size_t link = 0; link < posed.parts.names().size(); ++link) {
-    const auto& [digit, segment] = posed.coordinates.parts()[link];
-    names.push_back(digit.empty() ? posed.parts.names()[link] : hand::partName(digit, segment));
+  for (std::size_t link = 0; link < parts.names().size(); ++link) {
+    const auto& [digit, segment] = coordinates.parts()[link];
+    names.push_back(digit.empty() ? parts.names()[link] : hand::partName(digit, segment));
   }
   return names;
 }
@@ -149,6 +148,23 @@ std::vector<std::string> notesOnIdle(const std::vector<std::string>& idle,
   return notes;
 }
 
+std::vector<int> linksWithSurface(const hand::HandModel& model) {
+  std::vector<int> links;
+  for (int i = 0; i < model.linkCount(); ++i)
+    if (!model.links()[static_cast<std::size_t>(i)].surface().empty()) links.push_back(i);
+  return links;
+}
+
+/// All of a link's shapes, seen from where it is at `X`.
+geometry::TriangleMesh surfaceOf(const hand::HandModel& model,
+                                 int link,
+                                 const Eigen::Affine3d& X) {
+  std::vector<geometry::TriangleMesh> shapes;
+  for (const hand::Shape& shape : model.links()[static_cast<std::size_t>(link)].surface())
+    shapes.push_back(geometry::transformed(shape.mesh_L, X));
+  return geometry::merged(shapes);
+}
+
 }  // namespace
 
 std::vector<contact::PosedSurface> posedSurfaces(const hand::HandModel& model,
@@ -157,48 +173,56 @@ std::vector<contact::PosedSurface> posedSurfaces(const hand::HandModel& model,
   const hand::LinkPoses X_WL = hand::forwardKinematics(model, pose);
   const Pose X_OW = X_WO.inverse();
   std::vector<contact::PosedSurface> parts;
-  for (std::size_t i = 0; i < X_WL.size(); ++i) {
-    const hand::Link& link = model.links()[i];
-    if (link.surface().empty()) continue;
-    const Eigen::Affine3d X_OL(Eigen::Isometry3d(X_OW * X_WL[i]));
-    std::vector<geometry::TriangleMesh> shapes_O;
-    for (const hand::Shape& shape : link.surface())
-      shapes_O.push_back(geometry::transformed(shape.mesh_L, X_OL));
-    parts.push_back({link.name, geometry::merged(shapes_O)});
+  for (const int link : linksWithSurface(model)) {
+    const Pose X_OL = X_OW * X_WL[static_cast<std::size_t>(link)];
+    parts.push_back({model.links()[static_cast<std::size_t>(link)].name,
+                     surfaceOf(model, link, Eigen::Affine3d(Eigen::Isometry3d(X_OL)))});
   }
   return parts;
 }
 
-PosedContacts contactsOfPosedHand(const hand::Hand& hand,
-                                  const hand::HandPose& pose,
-                                  const geometry::TriangleMesh& object_O,
-                                  const Pose& X_WO,
-                                  const contact::PoseContactOptions& reach,
-                                  const contact::SegmentationOptions& segmentation,
-                                  const Progress& progress) {
-  HANDGRAFT_REQUIRE(hand.model != nullptr && hand.skin != nullptr);
-  const hand::HandModel& model = *hand.model;
-  const hand::FingerCoordinates coordinates(model, *hand.skin, hand.sites);
-  const hand::HandParts parts(model, hand.sites);
-  const placement::SkinFaces skin_faces(*hand.skin);
+ContactCutter::ContactCutter(const hand::Hand& hand,
+                             const geometry::TriangleMesh& object_O,
+                             const contact::PoseContactOptions& reach)
+    : hand_(hand),
+      object_O_(object_O),
+      reach_(reach),
+      coordinates_(*hand.model, *hand.skin, hand.sites),
+      parts_(*hand.model, hand.sites),
+      skin_faces_(*hand.skin),
+      part_of_link_(partsOf(coordinates_, parts_)),
+      surface_links_(linksWithSurface(*hand.model)),
+      refined_O_(contact::refineEdges(object_O, reach.longest_edge_m)) {
+  surfaces_.reserve(surface_links_.size());
+  for (const int link : surface_links_)
+    surfaces_.emplace_back(hand.model->links()[static_cast<std::size_t>(link)].name,
+                           surfaceOf(*hand.model, link, Eigen::Affine3d::Identity()));
+}
+
+PosedContacts ContactCutter::at(const hand::HandPose& pose,
+                                const Pose& X_WO,
+                                const contact::SegmentationOptions& segmentation,
+                                const Progress& progress) const {
+  const hand::HandModel& model = *hand_.model;
   const hand::HandPose pose_O{X_WO.inverse() * pose.X_WH, pose.q};
-  const PosedHand posed{hand,
-                        coordinates,
-                        parts,
-                        skin_faces,
+  const PosedHand posed{hand_,
+                        coordinates_,
+                        parts_,
+                        skin_faces_,
                         forwardKinematics(model, pose_O),
-                        hand.skin->fromWorld(model, pose_O)};
-  const std::vector<std::string> part_of_link = partsOf(posed);
+                        hand_.skin->fromWorld(model, pose_O)};
 
   // === The map, and its patches by segments
-  const std::vector<contact::PosedSurface> surfaces_O = posedSurfaces(model, pose, X_WO);
+  std::vector<Pose> X_OL;
+  for (const int link : surface_links_)
+    X_OL.push_back(posed.X_OL[static_cast<std::size_t>(link)]);
   PosedContacts result;
   contact::ContactMap& map = result.map;
-  map = contact::contactsFromPose(object_O, surfaces_O, reach, progress);
-  for (const contact::PosedSurface& surface : surfaces_O) {
-    const std::string& part =
-        part_of_link[static_cast<std::size_t>(model.linkIndex(surface.name))];
-    map.segment_parts.push_back(part.empty() ? contact::fingerOfSegment(surface.name) : part);
+  map = contact::contactsOnVertices(refined_O_, surfaces_, X_OL, reach_, progress);
+  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+    const std::string& part = part_of_link_[static_cast<std::size_t>(surface_links_[i])];
+    map.segment_parts.push_back(part.empty() ? contact::fingerOfSegment(surfaces_[i].name())
+                                             : part);
   }
   result.set = contact::segment(map, segmentation);
   result.set.posture = postureShownBy(posed);
@@ -211,23 +235,34 @@ PosedContacts contactsOfPosedHand(const hand::Hand& hand,
     const auto place = hand::placeNamed(patch.name);
     const std::string part = place ? hand::partName(place->digit, place->segment) : patch.name;
     std::vector<char> links;
-    links.reserve(part_of_link.size());
-    for (const std::string& one : part_of_link)
+    links.reserve(part_of_link_.size());
+    for (const std::string& one : part_of_link_)
       links.push_back(one == part ? 1 : 0);
     away_m.push_back(findPlace(posed, map.mesh_O, links, patch));
     ++patches_of_digit[place ? place->digit : patch.name];
   }
-  dropUnmet(away_m, reach.reach_m, patches_of_digit, result.set);
+  dropUnmet(away_m, reach_.reach_m, patches_of_digit, result.set);
   std::vector<std::string> idle;
-  for (const hand::NamedDigit& digit : coordinates.anatomy().digits)
+  for (const hand::NamedDigit& digit : coordinates_.anatomy().digits)
     if (!patches_of_digit.contains(digit.name)) idle.push_back(digit.name);
   for (const std::string& note : notesOnIdle(idle, map, segmentation))
     result.set.notes.push_back(note);
 
-  const bool is_refined = map.mesh_O.vertexCount() != object_O.vertexCount() ||
-                          map.mesh_O.faces() != object_O.faces();
-  if (is_refined) result.set = contact::reproject(result.set, map.mesh_O, object_O);
+  const bool is_refined = map.mesh_O.vertexCount() != object_O_.vertexCount() ||
+                          map.mesh_O.faces() != object_O_.faces();
+  if (is_refined) result.set = contact::reproject(result.set, map.mesh_O, object_O_);
   return result;
+}
+
+PosedContacts contactsOfPosedHand(const hand::Hand& hand,
+                                  const hand::HandPose& pose,
+                                  const geometry::TriangleMesh& object_O,
+                                  const Pose& X_WO,
+                                  const contact::PoseContactOptions& reach,
+                                  const contact::SegmentationOptions& segmentation,
+                                  const Progress& progress) {
+  HANDGRAFT_REQUIRE(hand.model != nullptr && hand.skin != nullptr);
+  return ContactCutter(hand, object_O, reach).at(pose, X_WO, segmentation, progress);
 }
 
 }  // namespace handgraft::demonstration

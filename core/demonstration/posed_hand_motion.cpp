@@ -86,6 +86,7 @@ manipulation::Motion motionOfPosedHand(const hand::Hand& hand,
   const std::vector<int> cuts = cutFrames(frames, options.every_s);
   std::map<std::string, PartCuts> parts;
   std::string fault;
+  const ContactCutter cutter(hand, object_O, options.reach);
   for (std::size_t cut = 0; cut < cuts.size(); ++cut) {
     progress.checkpoint();
     progress.report("cutting contacts",
@@ -93,8 +94,7 @@ manipulation::Motion motionOfPosedHand(const hand::Hand& hand,
     const PosedFrame& frame = frames[static_cast<std::size_t>(cuts[cut])];
     try {
       PosedContacts contacts =
-          contactsOfPosedHand(hand, frame.pose, object_O, frame.X_WO, options.reach,
-                              options.segmentation, Progress());
+          cutter.at(frame.pose, frame.X_WO, options.segmentation, Progress());
       motion.side = contacts.set.side;
       for (contact::Patch& patch : contacts.set.patches)
         parts[patch.name].emplace(static_cast<int>(cut), std::move(patch));
