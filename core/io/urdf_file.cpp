@@ -258,6 +258,22 @@ hand::HandModel readModel(const UrdfText& prepared, ShapeReader* shapes) {
   return model;
 }
 
+/// Of joints that may not go as far as they say, for what mimics them.
+void noteNarrowedLimits(const hand::HandModel& model, std::vector<std::string>& notes) {
+  constexpr double kTold = 1e-3;  // rad or m; less is how files round
+  for (int dof = 0; dof < model.dofCount(); ++dof) {
+    const hand::Joint& joint = model.dofJoint(dof);
+    const double lower = model.lower()[dof];
+    const double upper = model.upper()[dof];
+    if (lower <= joint.lower + kTold && upper >= joint.upper - kTold) continue;
+    notes.push_back(fmt::format(
+        "joint {} goes from {:.4g} to {:.4g} {} instead of {:.4g} to {:.4g}: beyond, joints "
+        "that mimic it would leave their own limits",
+        handgraft::quoted(joint.name), lower, upper,
+        joint.type == hand::JointType::kPrismatic ? "m" : "rad", joint.lower, joint.upper));
+  }
+}
+
 }  // namespace
 
 UrdfFile readUrdf(const fs::path& path, const PackageMap& packages) {
@@ -277,6 +293,7 @@ UrdfFile readUrdf(const fs::path& path, const ResourceFinder& find, double mesh_
       prepared.notes.push_back(fmt::format(
           "joints {} place the whole hand: they are its floating base, not joints of the hand",
           fmt::join(rooted.carrier->dofNames(), ", ")));
+    noteNarrowedLimits(rooted.hand, prepared.notes);
     return {std::move(rooted.hand), std::move(rooted.carrier), std::move(text),
             std::move(prepared.notes)};
   } catch (const InvalidInput& error) {

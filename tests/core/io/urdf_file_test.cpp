@@ -16,7 +16,9 @@ namespace handgraft::io {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 
 std::filesystem::path written(const std::string& body) {
@@ -55,6 +57,23 @@ TEST(UrdfFile, ReadsOriginAxisAndLimits) {
   EXPECT_EQ(j.upper, 2.0);
   EXPECT_EQ(j.velocity_limit, 3.0);
   EXPECT_TRUE(file.notes.empty());
+}
+
+TEST(UrdfFile, NotesLimitsThatFollowersNarrow) {
+  const auto notesWith = [](const std::string& followers_upper) {
+    return readUrdf(written("<link name='a'/><link name='b'/><link name='c'/>" +
+                            joint("revolute",
+                                  "<limit lower='0' upper='1.5' velocity='1' effort='1'/>") +
+                            "<joint name='k' type='revolute'><parent link='b'/>"
+                            "<child link='c'/><mimic joint='j' multiplier='2'/>"
+                            "<limit lower='0' velocity='1' effort='1' upper='" +
+                            followers_upper + "'/></joint>"))
+        .notes;
+  };
+  EXPECT_THAT(notesWith("2.0"),
+              ElementsAre(AllOf(HasSubstr("'j'"), HasSubstr("from 0 to 1 rad instead of 0 to "
+                                                            "1.5"))));
+  EXPECT_THAT(notesWith("3.0"), IsEmpty());
 }
 
 TEST(UrdfFile, NotesMissingLimits) {
