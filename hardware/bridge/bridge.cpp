@@ -206,10 +206,17 @@ struct Bridge::Impl {
       if (passed_over.see(text)) say(text);
     });
     bool is_anew = false;
-    solutions->take([&](const v1::PoseSolution& solution) {
+    solutions->takeDated([&](const v1::PoseSolution& solution, std::int64_t written_ns) {
       is_anew = is_anew || feed.isAnew(solution);
-      if (!is_anew) feed.see(solution);
+      if (!is_anew) feed.see(solution, written_ns);
     });
+    while (const std::optional<std::uint64_t> kept = feed.takeKept()) {
+      const std::string text = fmt::format(
+          "session {} stands as it was kept: passed over until somebody edits, solves or plays "
+          "it, or it is named (--session {})",
+          *kept, *kept);
+      if (passed_over.see(text)) say(text);
+    }
     if (!is_anew) return;
     // Gone and back within a moment. What it sent since comes again to readers that join.
     say("the server was started anew");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 
@@ -26,9 +27,16 @@ class Inbox {
 
   /// Hands over what came; how many. Errors: as of `use`; the rest comes at the next call.
   int take(const std::function<void(const Message&)>& use) {
+    return takeDated([&use](const Message& message, std::int64_t) {
+      use(message);
+    });
+  }
+
+  /// The same with when it was written (Reader::takeDated).
+  int takeDated(const std::function<void(const Message&, std::int64_t written_ns)>& use) {
     if (!has_come_->exchange(false)) return 0;
     try {
-      return reader_.take(use);
+      return reader_.takeDated(use);
     } catch (...) {
       *has_come_ = true;
       throw;

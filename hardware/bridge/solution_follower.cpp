@@ -8,6 +8,9 @@ namespace handgraft::bridge {
 namespace {
 
 constexpr std::size_t kMostSessions = 256;  // remembered; more than one server ever holds open
+// A pose is written within milliseconds of its stamp, also by a server that starves; those out
+// of a store are older.
+constexpr std::int64_t kKeptAfter = 3'000'000'000;  // ns
 
 }  // namespace
 
@@ -67,20 +70,35 @@ bool SolutionFollower::hasPose(const Session& session) {
          session.newest->revision() <= session.state->revision();
 }
 
-void SolutionFollower::see(const v1::PoseSolution& solution) {
+void SolutionFollower::see(const v1::PoseSolution& solution, std::int64_t written_ns) {
   const std::uint64_t id = solution.session_id();
   if (id == 0 || (only_ && id != *only_)) return;
   if (!solution.is_final() && !with_intermediate_) return;
   Session& session = sessionOf(id);
+  const bool is_kept = written_ns > kKeptAfter && solution.stamp_ns() < written_ns - kKeptAfter;
+  session.is_kept = is_kept && !only_ && id != awaited_ && id != followed_;
+  if (session.is_kept) return;
+  // Of a session taken up again, it is the sending that is news.
+  const std::int64_t stamp_ns = is_kept ? written_ns : solution.stamp_ns();
   const bool is_repeat = session.has_streamed &&
                          solution.sequence_number() <= session.last_number &&
-                         solution.stamp_ns() <= session.last_stamp;
+                         stamp_ns <= session.last_stamp;
   if (is_repeat) return;
-  if (!session.has_streamed) session.first_stamp = solution.stamp_ns();
+  if (!session.has_streamed) session.first_stamp = stamp_ns;
   session.has_streamed = true;
   session.last_number = solution.sequence_number();
-  session.last_stamp = solution.stamp_ns();
+  session.last_stamp = stamp_ns;
   session.newest = solution;
+  session.newest->stamp_ns(stamp_ns);
+}
+
+std::optional<std::uint64_t> SolutionFollower::takeKept() {
+  for (auto& [id, session] : sessions_) {
+    if (!session.is_kept || !session.state || session.is_closed) continue;
+    session.is_kept = false;
+    return id;
+  }
+  return std::nullopt;
 }
 
 const std::string* SolutionFollower::hear(std::uint64_t id, std::int64_t stamp_ns) {

@@ -35,6 +35,10 @@ struct FollowedPose {
 /// followed before is followed again; the others of before wait until that one is closed, as
 /// they would have without the gap. New ones take over as ever.
 ///
+/// What a server took out of its store, nobody asks for now: a pose that was written long after
+/// its own stamp counts only of the session given, or the one that was followed before. Others
+/// begin to stream when somebody edits, solves or plays them.
+///
 /// A session may take another hand by an edit. Its poses count only with the state that says
 /// whose they are: not before the state has come to their revision, and not if they answer a
 /// revision before the one that brought this hand.
@@ -43,7 +47,11 @@ class SolutionFollower {
   SolutionFollower(std::optional<std::uint64_t> only, bool with_intermediate);
 
   void see(const v1::SessionState& state);
-  void see(const v1::PoseSolution& solution);
+  /// `written_ns`: when it was sent, by the clock of its stamp; 0: as it was stamped.
+  void see(const v1::PoseSolution& solution, std::int64_t written_ns = 0);
+
+  /// An open session of which a pose out of a store was passed over; each is told once.
+  std::optional<std::uint64_t> takeKept();
 
   /// Timed samples of this session come, first at `stamp_ns`: they count as its stream, beside
   /// its poses. The hand's name if it is the session followed, now or from now on; null if its
@@ -78,6 +86,7 @@ class SolutionFollower {
     std::uint64_t hand_since = 0;  // the first revision known to be of this hand
     bool is_left = false;          // it was of another hand when last heard of
     bool is_closed = false;
+    bool is_kept = false;     // it stands as a store kept it, and that is not told yet
     bool is_history = false;  // closed before we ever saw it open
     std::uint64_t last_seen = 0;
   };

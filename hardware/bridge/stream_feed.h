@@ -37,7 +37,12 @@ class StreamFeed {
   /// stream ends: should its hand come back, that is another stream.
   bool see(const v1::SessionState& state);
 
-  void see(const v1::PoseSolution& solution) { follower_.see(solution); }
+  /// As SolutionFollower's.
+  void see(const v1::PoseSolution& solution, std::int64_t written_ns = 0) {
+    follower_.see(solution, written_ns);
+  }
+
+  std::optional<std::uint64_t> takeKept() { return follower_.takeKept(); }
 
   /// Of the session followed, from its server after a restart: the upper half of a pose's
   /// number tells the server's lives apart (idl/TOPICS.md).

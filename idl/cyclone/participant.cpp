@@ -385,6 +385,14 @@ Reader<Message>::~Reader() = default;
 
 template <class Message>
 int Reader<Message>::take(const std::function<void(const Message&)>& use) {
+  return takeDated([&use](const Message& message, std::int64_t) {
+    use(message);
+  });
+}
+
+template <class Message>
+int Reader<Message>::takeDated(
+    const std::function<void(const Message&, std::int64_t written_ns)>& use) {
   int count = 0;
   ddsi_serdata* data = nullptr;
   dds_sample_info_t info{};
@@ -402,7 +410,7 @@ int Reader<Message>::take(const std::function<void(const Message&)>& use) {
       continue;
     }
     ++count;
-    use(message);
+    use(message, info.source_timestamp);
   }
   return count;
 }

@@ -106,6 +106,9 @@ class Reader {
   /// Hands every message waiting to `use`; returns how many. `use` may throw.
   int take(const std::function<void(const Message&)>& use);
 
+  /// The same with the time at which each was written, ns of its writer's system clock.
+  int takeDated(const std::function<void(const Message&, std::int64_t written_ns)>& use);
+
   /// Waits until there is something to take; false when `timeout` passed.
   bool wait(std::chrono::milliseconds timeout);
 

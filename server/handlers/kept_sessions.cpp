@@ -110,6 +110,7 @@ std::shared_ptr<LiveSession> openKeptSession(std::uint64_t id,
   // Later than all that any server before this one told of it.
   constexpr unsigned kPerOpening = 32;
   live->numberFrom(context.state->openings() << kPerOpening);
+  live->recallFrom(kept.used);
   return live;
 }
 

@@ -218,6 +218,7 @@ std::optional<v1::PoseSolution> optimizePose(LiveSession& live,
                                              const v1::OptimizeRequest& request,
                                              HandlerContext& context,
                                              const Progress& progress) {
+  live.recallFrom(0);
   // A minimum that was chosen stands until somebody asks for another search.
   const bool stands = request.options().empty() && live.session().chosenMinimum() > 0 &&
                       !live.session().needsSolve();

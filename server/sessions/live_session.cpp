@@ -266,11 +266,17 @@ void LiveSession::publishClock() {
   audience_.onClock(motion_->clock);
 }
 
+void LiveSession::recallFrom(std::int64_t left_ns) {
+  left_ns_ = left_ns;
+  left_revision_ = session_.revision();
+}
+
 v1::PoseSolution LiveSession::publish(v1::PoseSolution solution) {
   solution.session_id(id_);
   solution.revision(session_.revision());
   solution.sequence_number(++sequence_number_);
-  solution.stamp_ns(nowNs());
+  const bool is_recalled = left_ns_ != 0 && left_revision_ == session_.revision();
+  solution.stamp_ns(is_recalled ? left_ns_ : nowNs());
   audience_.onSolution(solution);
   if (solution.is_final() && !solution.is_diagnosed()) {
     const Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(

@@ -171,6 +171,11 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   /// The next solution's number is a later one, before anybody knows of it.
   void numberFrom(std::uint64_t number) { sequence_number_ = number; }
 
+  /// It stands as it was left then (ns of the system's clock), and what is published of this
+  /// revision says so, until it is solved on wish (0): a hand's motors must tell what a store
+  /// kept from what somebody wants now.
+  void recallFrom(std::int64_t left_ns);
+
   /// Makes it a session of a motion, before anybody knows of it.
   void hold(LiveMotion motion);
 
@@ -229,6 +234,8 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   SolveCycle cycle_;
   Progress solves_;
   std::uint64_t sequence_number_ = 0;
+  std::int64_t left_ns_ = 0;  ///< 0: it is in use
+  std::uint64_t left_revision_ = 0;
   std::optional<v1::PoseSolution> diagnosed_;  ///< the last final pose, once it is
   std::deque<AppliedEdit> edits_;              ///< the last ones
   // Whose solids were begun.

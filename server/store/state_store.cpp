@@ -250,7 +250,10 @@ void StateStore::replaceText(std::uint64_t id,
   Statement(*database_, "DELETE FROM edits WHERE session = ? AND revision <= ? - ?")
       .with(id, revision, kKeptEdits)
       .run();
-  statements_->state.with(state, revision, systemNs(), id).run();
+  // Written anew is not used: it may be put to sleep, or the server may end.
+  Statement(*database_, "UPDATE sessions SET state = ?, revision = ? WHERE id = ?")
+      .with(state, revision, id)
+      .run();
   transaction.commit();
   is_written_ = true;
 }
@@ -281,15 +284,17 @@ KeptSession StateStore::session(std::uint64_t id) const {
   const std::lock_guard lock(mutex_);
   KeptSession session;
   bool is_there = false;
-  Statement row(*database_,
-                "SELECT t.text, s.motion, s.next FROM sessions s JOIN session_texts t ON "
-                "t.session = s.id WHERE s.id = ?");
+  Statement row(
+      *database_,
+      "SELECT t.text, s.motion, s.next, s.used FROM sessions s JOIN session_texts t ON "
+      "t.session = s.id WHERE s.id = ?");
   row.with(id);
   while (row.step()) {
     is_there = true;
     session.text = row.text(0);
     session.motion = row.text(1);
     session.next = row.id(2);
+    session.used = row.integer(3);
   }
   if (!is_there) throw StorageError(fmt::format("store {}: it has no session {}", path_, id));
   Statement entries(*database_,

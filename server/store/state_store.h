@@ -58,6 +58,7 @@ struct KeptSession {
   std::uint64_t next = 0;
   std::vector<std::string> entries;  ///< since the text, in order
   std::vector<std::int64_t> models;  ///< rows of those that it names
+  std::int64_t used = 0;             ///< ns of the system's clock; of those that are read
   SessionAccess access;
 };
 

@@ -23,8 +23,8 @@ constexpr std::chrono::seconds kBudget(10);
 constexpr const char* kBudgetText = "after 10 s";
 #else
 constexpr std::chrono::seconds kForsaken(2);
-constexpr std::chrono::seconds kBudget(3);
-constexpr const char* kBudgetText = "after 3 s";
+constexpr std::chrono::milliseconds kBudget(500);
+constexpr const char* kBudgetText = "after 0.5 s";
 #endif
 
 /// A server of one worker.

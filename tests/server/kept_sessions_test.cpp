@@ -60,5 +60,30 @@ TEST_F(KeptSessions, TellTheSitesThatWereFoundOnTheirHands) {
   EXPECT_EQ(after.notes(), before.notes());
 }
 
+// Motors tell by the stamp what somebody wants now from what a store kept.
+TEST_F(KeptSessions, StandAsOfThenUntilTheyAreAskedForAnew) {
+  for (const v1::RequestBody& body : test::smallGrasp())
+    ASSERT_EQ(bus.ask(body).error(), v1::ERROR_NONE);
+  const std::uint64_t session =
+      bus.ask(test::openSession("clamp", "fruit", "marks")).body().session().session_id();
+  ASSERT_EQ(bus.ask(test::optimize(session, v1::SOLVER_LM, 4)).error(), v1::ERROR_NONE);
+  const auto final_pose = [&](std::int64_t after_ns) {
+    return bus.await<v1::PoseSolution>(bus.solutions, [&](const v1::PoseSolution& one) {
+      return one.session_id() == session && one.is_final() && one.stamp_ns() > after_ns;
+    });
+  };
+  ASSERT_TRUE(final_pose(0));
+
+  const std::int64_t end = nowNs();
+  service.reset();
+  bus.solutions.clear();
+  begin();
+  const auto kept = final_pose(0);
+  ASSERT_TRUE(kept);
+  EXPECT_LE(kept->stamp_ns(), end);
+  ASSERT_EQ(bus.ask(test::optimize(session, v1::SOLVER_LM, 4)).error(), v1::ERROR_NONE);
+  EXPECT_TRUE(final_pose(end));
+}
+
 }  // namespace
 }  // namespace handgraft::server

@@ -157,6 +157,50 @@ TEST(SolutionFollower, ComesBackToItsOwnSessionAfterAGap) {
   EXPECT_TRUE(stream(3, 1'500)) << "once that one is closed";
 }
 
+// A server out of whose store sessions come streams them, and nobody has asked for that.
+TEST(SolutionFollower, PassesOverWhatAStoreKept) {
+  constexpr std::int64_t kLongAfter = 3'600'000'000'000;
+  SolutionFollower any({}, false);
+  any.see(sessionState(4, "hand", two_joints));
+  v1::PoseSolution kept = solution(4, 1, {0.1, 0.2});
+  kept.stamp_ns(1'000'000'000);
+  any.see(kept, kLongAfter);
+  EXPECT_FALSE(any.take());
+  EXPECT_EQ(any.takeKept(), 4u);
+  EXPECT_FALSE(any.takeKept()) << "told once";
+  v1::PoseSolution edited = solution(4, 2, {0.3, 0.4});
+  edited.stamp_ns(kLongAfter + 1);
+  any.see(edited, kLongAfter + 2);
+  EXPECT_EQ(any.take()->sequence_number, 2u);
+
+  SolutionFollower named(4, false);
+  named.see(sessionState(4, "hand", two_joints));
+  named.see(kept, kLongAfter);
+  EXPECT_FALSE(named.takeKept());
+  EXPECT_EQ(named.take()->stamp_ns, kLongAfter);
+}
+
+TEST(SolutionFollower, GoesOnWithItsOwnSessionOutOfAStore) {
+  constexpr std::int64_t kLongAfter = 3'600'000'000'000;
+  SolutionFollower follower({}, false);
+  for (const std::uint64_t id : {4, 5}) {
+    follower.see(sessionState(id, "hand", two_joints));
+    v1::PoseSolution pose = solution(id, 1, {0.1, 0.2});
+    pose.stamp_ns(static_cast<std::int64_t>(10 - id));  // 4 began last
+    follower.see(pose);
+  }
+  EXPECT_EQ(follower.take()->session_id, 4u);
+  follower.forget();
+  for (const std::uint64_t id : {5, 4}) {
+    follower.see(sessionState(id, "hand", two_joints));
+    v1::PoseSolution kept = solution(id, 7, {0.1, 0.2});
+    kept.stamp_ns(static_cast<std::int64_t>(10 - id));
+    follower.see(kept, kLongAfter);
+  }
+  EXPECT_EQ(follower.take()->session_id, 4u);
+  EXPECT_FALSE(follower.take());
+}
+
 TEST(SolutionFollower, IgnoresTheNumberThatMeansNoSession) {
   SolutionFollower follower({}, false);
   follower.see(sessionState(0, "hand", two_joints));
