@@ -295,6 +295,11 @@ int bringUp(const BringUp& told) {
       return found.empty() ? kFailed : kDone;
     }
     case BringUp::Step::kMakeConfig: {
+      // What was filled in by hand is not to be made anew.
+      std::error_code error;
+      if (!told.out.empty() && std::filesystem::exists(told.out, error))
+        rejectInput("--out {}: it is there already; name another file, or take it away",
+                    quoted(told.out));
       const std::string text = bringup::makeConfig(told.urdf, told.plan);
       for (const config::DeviceTraits& traits : config::deviceKinds()) {
         if (traits.name != told.plan.kind || traits.has_watchdog) continue;
@@ -307,8 +312,13 @@ int bringUp(const BringUp& told) {
         fmt::print("{}", text);
       } else {
         config::writeText(told.out, text);
-        fmt::print("{}: fill it in, then: handgraft bridge jog MOTOR 0.1 --config {}\n",
-                   told.out, told.out);
+        if (told.plan.kind == "simulated") {
+          fmt::print("{}: it moves a simulated hand: handgraft-bridge --config {}\n", told.out,
+                     told.out);
+        } else {
+          fmt::print("{}: fill it in, then: handgraft bridge jog MOTOR 0.1 --config {}\n",
+                     told.out, told.out);
+        }
       }
       return kDone;
     }

@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "core/io/mesh_file.h"
+
 namespace handgraft::io {
 
 /// A mesh as its file lists it: nothing welded, nothing left out, polygons cut into triangles.
@@ -25,8 +27,13 @@ struct FileMesh {
 // checked.
 FileMesh readObj(const std::filesystem::path& path);
 FileMesh readStl(const std::filesystem::path& path);
-/// glTF, GLB and COLLADA (assimp), node transforms applied.
+/// glTF, GLB and COLLADA (assimp), node transforms applied; an OBJ with its texture
+/// coordinates, whose vertices are then not in the file's order.
 FileMesh readScene(const std::filesystem::path& path);
+
+/// Vertices at the same place become one, faces without area go (MeshFile says which).
+/// Errors: InvalidInput for a vertex that is not finite, and where no face is left.
+MeshFile weldedMesh(const FileMesh& listed);
 
 /// Cuts a polygon into triangles of its corners, 0 to n - 1, by ear clipping in the plane of
 /// its mean normal. Corners in order, 3 x n, n >= 3. Cost: O(n^2) on most polygons; large

@@ -122,19 +122,25 @@ MeshFile weld(const FileMesh& listed) {
 
 }  // namespace
 
-MeshFile readMesh(const std::filesystem::path& path) {
-  const FileMesh listed = readAsListed(path);
+MeshFile weldedMesh(const FileMesh& listed) {
   for (std::size_t v = 0; v < listed.vertices.size(); ++v) {
     const Eigen::Vector3d& p = listed.vertices[v];
     if (!p.allFinite()) {
-      rejectInput("{}: vertex {} is ({}, {}, {}), coordinates must be finite",
-                  handgraft::quoted(path.string()), v, p[0], p[1], p[2]);
+      rejectInput("vertex {} is ({}, {}, {}), coordinates must be finite", v, p[0], p[1], p[2]);
     }
   }
   MeshFile file = weld(listed);
-  if (file.mesh.faceCount() == 0)
-    rejectInput("{}: has no face with area", handgraft::quoted(path.string()));
+  if (file.mesh.faceCount() == 0) rejectInput("has no face with area");
   return file;
+}
+
+MeshFile readMesh(const std::filesystem::path& path) {
+  const FileMesh listed = readAsListed(path);
+  try {
+    return weldedMesh(listed);
+  } catch (const InvalidInput& error) {
+    rejectInput("{}: {}", handgraft::quoted(path.string()), error.what());
+  }
 }
 
 }  // namespace handgraft::io

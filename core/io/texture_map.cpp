@@ -175,11 +175,11 @@ double longestEdge(const geometry::TriangleMesh& mesh) {
 contact::ContactMap readTextureMap(const std::filesystem::path& mesh_path,
                                    const std::filesystem::path& picture_path,
                                    const ColorMap& scale) {
-  const MeshFile welded = readMesh(mesh_path);
   const FileMesh listed = readScene(mesh_path);
   const Picture picture = readPng(picture_path);
   try {
     if (listed.uv.empty()) rejectInput("has no texture coordinates");
+    const MeshFile welded = weldedMesh(listed);
     std::vector<int> parents;
     contact::ContactMap map;
     map.mesh_O = contact::refineEdges(welded.mesh, longestEdge(welded.mesh), &parents);

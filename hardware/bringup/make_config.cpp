@@ -64,6 +64,43 @@ std::optional<Joint> jointOf(const tinyxml2::XMLElement& element) {
   return joint;
 }
 
+Joint* jointCalled(const std::string& name, std::vector<Joint>& joints) {
+  const auto found = std::find_if(joints.begin(), joints.end(), [&](const Joint& one) {
+    return one.name == name;
+  });
+  return found == joints.end() ? nullptr : &*found;
+}
+
+/// Lets who follows a follower follow what leads that one: a transmission has no chains.
+void followTheFirst(std::vector<Joint>& joints) {
+  for (Joint& joint : joints) {
+    // More steps than joints are a loop, which the server refuses.
+    for (std::size_t step = 0; step < joints.size(); ++step) {
+      const Joint* leader = jointCalled(joint.leader, joints);
+      if (leader == nullptr || leader->leader.empty()) break;
+      joint.offset += joint.ratio * leader->offset;
+      joint.ratio *= leader->ratio;
+      joint.leader = leader->leader;
+    }
+  }
+}
+
+/// As hand::HandModel has it: a leader goes no farther than its followers can, if any way is
+/// left; else the bridge would find its own config and the model to differ.
+void narrowToFollowers(std::vector<Joint>& joints) {
+  for (const Joint& follower : joints) {
+    Joint* leader = jointCalled(follower.leader, joints);
+    if (leader == nullptr || follower.ratio == 0.0) continue;
+    const double a = (follower.lower - follower.offset) / follower.ratio;
+    const double b = (follower.upper - follower.offset) / follower.ratio;
+    const double lower = std::max(leader->lower, std::min(a, b));
+    const double upper = std::min(leader->upper, std::max(a, b));
+    if (!(lower < upper)) continue;
+    leader->lower = lower;
+    leader->upper = upper;
+  }
+}
+
 /// In YAML's double quotes.
 std::string inQuotes(const std::string& text) {
   std::string out = "\"";
@@ -228,6 +265,8 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
     if (const std::optional<Joint> joint = jointOf(*element)) joints.push_back(*joint);
   }
   if (joints.empty()) rejectInput("{}: no joint of it turns", handgraft::quoted(urdf.string()));
+  followTheFirst(joints);
+  narrowToFollowers(joints);
 
   const auto motor_count = static_cast<std::size_t>(
       std::count_if(joints.begin(), joints.end(), [](const Joint& joint) {
@@ -241,15 +280,21 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
   }
   const int rate = rateOf(plan, motor_count);
   const std::vector<int> ids = idsOf(plan, traits, motor_count);
+  const bool is_simulated = traits.wire == config::DeviceWire::kNone;
+  const char* next_steps = is_simulated
+                               ? "# It moves a simulated hand, which knows its zeros.\n"
+                               : "# `jog` turns one motor at a time; `check` asks for "
+                                 "directions and zeros and keeps "
+                                 "them in\n# the calibration file.\n";
   std::string text = fmt::format(
-      "# Of {}, to be filled in: FILL IN marks what only the hand itself knows.\n"
-      "# `jog` turns one motor at a time; `check` asks for directions and zeros and keeps them "
-      "in\n"
-      "# the calibration file.\n"
+      "# Of {}, to be filled in: FILL IN marks what only the hand itself knows.\n{}"
       "format: handgraft-hardware/1\nhand: {}          # as the server calls it\n\n{}\n",
-      urdf.filename().string(), inQuotes(attribute(*robot, "name")), deviceText(plan, rate));
-  text += fmt::format("calibration: {}  # `check` writes it\n",
-                      inQuotes(urdf.stem().string() + "_calibration.yaml"));
+      urdf.filename().string(), next_steps, inQuotes(attribute(*robot, "name")),
+      deviceText(plan, rate));
+  if (!is_simulated) {
+    text += fmt::format("calibration: {}  # `check` writes it\n",
+                        inQuotes(urdf.stem().string() + "_calibration.yaml"));
+  }
   text += fmt::format("loop: {{rate_hz: {}, longest_gap_ms: {}}}\n", rate, longestGapMs(rate));
   // Slow answers are bearable for some periods, too.
   if (rate < kUsualRate) text += "watch: {silent_ms: 400}\n";

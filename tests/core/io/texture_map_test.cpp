@@ -118,6 +118,18 @@ void writeCollada(const std::filesystem::path& path,
       << R"(</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
 }
 
+/// `size` pixels wide and high, three bytes each, the upper row first.
+void writePicture(const std::filesystem::path& path,
+                  int size,
+                  const std::vector<png_byte>& pixels) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(size);
+  image.height = static_cast<png_uint_32>(size);
+  image.format = PNG_FORMAT_RGB;
+  EXPECT_NE(png_image_write_to_file(&image, path.c_str(), 0, pixels.data(), 0, nullptr), 0);
+}
+
 /// The values of `fine`, painted onto `coarse` by where its pixels lie.
 PaintedMesh painted(const contact::ContactMap& fine, const geometry::TriangleMesh& coarse) {
   const geometry::SurfaceLocator surface(fine.mesh_O);
@@ -150,13 +162,7 @@ PaintedMesh painted(const contact::ContactMap& fine, const geometry::TriangleMes
   PaintedMesh result{test::scratchDirectory() / "coarse.dae",
                      test::scratchDirectory() / "coarse.png"};
   writeCollada(result.mesh, coarse, cells, size);
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(size);
-  image.height = static_cast<png_uint_32>(size);
-  image.format = PNG_FORMAT_RGB;
-  EXPECT_NE(
-      png_image_write_to_file(&image, result.picture.c_str(), 0, pixels.data(), 0, nullptr), 0);
+  writePicture(result.picture, size, pixels);
   return result;
 }
 
@@ -208,6 +214,29 @@ TEST(TextureMap, GivesACoarseMeshThePatchesOfTheFineOne) {
   const contact::ContactSet set = contactsFromMap(map, object, options);
   for (const contact::Patch& patch : set.patches)
     EXPECT_NO_THROW(validate(object.mesh, patch)) << "results lie on the file's own mesh";
+}
+
+// Its corners have places of their own in the picture, in another order than its vertices.
+TEST(TextureMap, MayBeOfAnObj) {
+  const std::filesystem::path mesh = test::scratchDirectory() / "plate.obj";
+  std::ofstream(mesh) << "v 0 0 0\nv 0.04 0 0\nv 0.04 0.04 0\nv 0 0.04 0\n"
+                         "vt 1 1\nvt 0 1\nvt 0 0\nvt 1 0\n"
+                         "f 3/1 4/2 1/3\nf 1/3 2/4 3/1\n";
+  const PaintedMesh files{mesh, test::scratchDirectory() / "plate.png"};
+  constexpr int kSize = 64;
+  std::vector<png_byte> pixels;  // black, but for the upper right quarter
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x)
+      pixels.insert(pixels.end(), 3, x >= kSize / 2 && y < kSize / 2 ? 255 : 0);
+  writePicture(files.picture, kSize, pixels);
+
+  const contact::ContactMap map = readTextureMap(files.mesh, files.picture, colorMap("grey"));
+  for (int v = 0; v < map.mesh_O.vertexCount(); ++v) {
+    const Eigen::Vector3d p = map.mesh_O.vertex(v);
+    const double inside = std::min(p.x(), p.y()) - 0.02;  // m, of the white quarter
+    if (std::abs(inside) < 0.004) continue;
+    EXPECT_NEAR(map.value[v], inside > 0.0 ? 1.0 : 0.0, 0.01) << p.transpose();
+  }
 }
 
 TEST(TextureMap, RefusesAScaleThatDoesNotFit) {

@@ -38,6 +38,12 @@ config::HandConfig made(std::size_t joints, const ConfigPlan& plan) {
   return config::parseHandConfig(makeConfig(urdfOf(joints), plan));
 }
 
+ConfigPlan ofKind(const std::string& kind) {
+  ConfigPlan plan;
+  plan.kind = kind;
+  return plan;
+}
+
 TEST(MakeConfig, OfEachKindReadsAsItIs) {
   for (const config::DeviceTraits& traits : config::deviceKinds()) {
     ConfigPlan plan;
@@ -131,6 +137,29 @@ TEST(MakeConfig, OfAHandThatWeHave) {
     const auto urdf = hands / name / (std::string(name) + ".urdf");
     EXPECT_NO_THROW(config::parseHandConfig(makeConfig(urdf, plan))) << name;
   }
+}
+
+TEST(MakeConfig, LeadersGoAsFarAsTheirFollowersCan) {
+  const auto path = test::scratchDirectory() / "led.urdf";
+  std::ofstream(path) << "<robot name='led'>"
+                         "<joint name='j' type='revolute'>"
+                         "<limit lower='-0.6' upper='1.5' velocity='1' effort='1'/></joint>"
+                         "<joint name='k' type='revolute'>"
+                         "<limit lower='-0.3' upper='9' velocity='1' effort='1'/>"
+                         "<mimic joint='j' multiplier='0.75' offset='0'/></joint>"
+                         "<joint name='l' type='revolute'>"
+                         "<limit lower='-0.15' upper='9' velocity='1' effort='1'/>"
+                         "<mimic joint='k' multiplier='1' offset='0'/></joint></robot>";
+  const config::HandConfig config =
+      config::parseHandConfig(makeConfig(path, ofKind("simulated")));
+  ASSERT_EQ(config.motors.size(), 1u);
+  EXPECT_NEAR(config.governor.limits.front().lower, -0.2, 1e-12);
+  EXPECT_NEAR(config.governor.limits.front().upper, 1.5, 1e-12);
+}
+
+TEST(MakeConfig, OfASimulatedHandAsksForNoCalibration) {
+  EXPECT_TRUE(made(2, ofKind("simulated")).calibration.empty());
+  EXPECT_FALSE(made(2, ofKind("dynamixel")).calibration.empty());
 }
 
 TEST(MakeConfig, SaysWhichKindsThereAre) {
