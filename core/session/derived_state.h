@@ -174,6 +174,12 @@ class DerivedState {
                     const SolverSettings& solving,
                     const optimize::SolveOptions& options,
                     const Progress& progress);
+  /// Once more from the same place with the joints at rest: fingers that touch nothing, and bent
+  /// ones, may have been caught on their way.
+  void beginOpen(optimize::SolveReport& report,
+                 const SolverSettings& solving,
+                 const optimize::SolveOptions& options,
+                 const Progress& progress);
   /// For as long as patches are missed: slides with more weight on those, then with everybody's
   /// own again, and takes what is better.
   void reweightMissedPatches(optimize::SolveReport& report,

@@ -1,6 +1,8 @@
 // What a search did not come to is tried anew: out of the object, and to what is missed.
+#include <cmath>
 #include <cstddef>
 #include <utility>
+#include <vector>
 
 #include "core/optimize/diagnosis.h"
 #include "core/session/derived_state_search.h"
@@ -30,6 +32,32 @@ Eigen::Vector3d centreOf(const std::vector<optimize::PointPair>& pairs) {
   return centre_W;
 }
 
+/// A joint that moves nothing that touches may stand so far from rest: beyond, something has
+/// caught it.
+constexpr double kCaught = 0.5;  // rad or m
+
+/// Whether a joint that moves no patch stands far from where it rests.
+bool isCaught(const PoseProblem& posed, const Eigen::VectorXd& rest, const Eigen::VectorXd& q) {
+  const auto& nodes = posed.model->nodes();
+  std::vector<char> moves_patch(static_cast<std::size_t>(posed.model->dofCount()), 0);
+  for (const optimize::PointPair& pair : posed.pairs) {
+    for (int link = pair.link; link > 0;) {
+      const hand::HandModel::Node& node = nodes[static_cast<std::size_t>(link - 1)];
+      if (node.dof >= 0) moves_patch[static_cast<std::size_t>(node.dof)] = 1;
+      link = node.parent_link;
+    }
+  }
+  for (Eigen::Index dof = 0; dof < q.size(); ++dof)
+    if (moves_patch[static_cast<std::size_t>(dof)] == 0 &&
+        std::abs(q[dof] - rest[dof]) > kCaught)
+      return true;
+  return false;
+}
+
+Eigen::VectorXd restWithin(const PoseProblem& posed) {
+  return posed.model->restPose().cwiseMax(posed.lower).cwiseMin(posed.upper);
+}
+
 }  // namespace
 
 void DerivedState::approachAnew(const hand::HandPose& first,
@@ -45,8 +73,7 @@ void DerivedState::approachAnew(const hand::HandPose& first,
   const std::vector<SessionPatch> patches = patches_;
   const hand::HandPose from = report.pose;
   const PoseProblem posed = problem(solving);
-  const Eigen::VectorXd open =
-      posed.model->restPose().cwiseMax(posed.lower).cwiseMin(posed.upper);
+  const Eigen::VectorXd open = restWithin(posed);
   const Eigen::Vector3d away_W = (from.X_WH.translation() - centreOf(posed.pairs)).normalized();
   std::vector<hand::HandPose> beginnings{first};
   for (const double back_m : kBacks) {
@@ -66,6 +93,26 @@ void DerivedState::approachAnew(const hand::HandPose& first,
     other.solver = report.solver;
     if (takeBetter(worthOf(other, solving), other, worth, report)) best.keep();
   }
+}
+
+void DerivedState::beginOpen(SolveReport& report,
+                             const SolverSettings& solving,
+                             const SolveOptions& options,
+                             const Progress& progress) {
+  SolveOptions whole = options;
+  whole.starts = 1;
+  Worth worth = worthOf(report, solving);
+  const PoseProblem posed = problem(solving);
+  const Eigen::VectorXd rest = restWithin(posed);
+  if (worth.first == 0 && !isCaught(posed, rest, report.pose.q)) return;
+  Search best(*this);
+  start_ = {report.pose.X_WH, rest};
+  SolveReport other = optimize::solve(problem(solving), whole, progress);
+  slideRoots(other, solving, stepOf(options), progress, kWorseReaches);
+  goOn(other, solving, options, progress);
+  other.best_start = report.best_start;
+  other.solver = report.solver;
+  if (takeBetter(worthOf(other, solving), other, worth, report)) best.keep();
 }
 
 void DerivedState::weigh(const std::vector<int>& patches, double factor) {

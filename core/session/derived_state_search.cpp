@@ -264,6 +264,7 @@ Solution DerivedState::solveOnce(const SolverSettings& solving,
     if (searchesWidely(options)) {
       NewBeginnings{*this, as_it_was, solving, options, progress}.improve(report, found);
       if (isInside(report)) approachAnew(as_it_was.start, report, solving, options, progress);
+      if (solving.avoids()) beginOpen(report, solving, options, progress);
       reweightMissedPatches(report, solving, options, progress);
     }
   }

@@ -214,6 +214,7 @@ void followFrame(LiveSession& live,
   std::string trouble;
   try {
     if (const auto answer = answerTo(live, models, frame)) {
+      live.recallFrom(0);
       live.publish(answerOf(live, frame, *answer));
     } else {
       trouble = fmt::format(
