@@ -26,7 +26,7 @@ const kAlways_s = 1e5; // longer than any motion
 
 /** Unknown ones as they are. */
 export function said(edit: string): string {
-  const timed = /^(.*) at (\S+) s(?: \+- (\S+))?$/.exec(edit);
+  const timed = /^(.*) at (\S+) s(?: \+- (\S+)(?: s)?)?$/.exec(edit);
   if (timed !== null) return `${said(timed[1]!)} ${Number(timed[3] ?? 0) >= kAlways_s ? 'all the time' : `at ${timed[2]} s`}`;
   if (edit.startsWith('choose minimum ')) return `took solution ${Number(edit.slice('choose minimum '.length)) + 1}`;
   const way = kWays.find(([pattern]) => pattern.test(edit));
