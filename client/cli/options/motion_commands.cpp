@@ -362,7 +362,9 @@ void addFollow(CLI::App& motion, CommandOptions& chosen) {
                    "Its id, or the first digits of it, at least four")
       ->required()
       ->check(objectionToCount);
-  command->add_option("demonstration", *file, "handgraft-demonstration/1 (JSON), or NumPy's .npz")->required();
+  command
+      ->add_option("demonstration", *file, "handgraft-demonstration/1 (JSON), or NumPy's .npz")
+      ->required();
   command->add_option("--speed", parsed->speed, "Times real time; default 1");
   command->add_flag("--loop", parsed->loops, "Again and again");
   command->fallthrough();
