@@ -174,8 +174,8 @@ class DerivedState {
                     const SolverSettings& solving,
                     const optimize::SolveOptions& options,
                     const Progress& progress);
-  /// Once more from the same place with the joints at rest: fingers that touch nothing, and bent
-  /// ones, may have been caught on their way.
+  /// Once more from the same place with the joints at rest: fingers that touch nothing, and
+  /// bent ones, may have been caught on their way.
   void beginOpen(optimize::SolveReport& report,
                  const SolverSettings& solving,
                  const optimize::SolveOptions& options,

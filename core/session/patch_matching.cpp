@@ -115,9 +115,10 @@ void noteTheOtherSide(const Models& models, hand::Chirality of_hand, Document& d
   using hand::Chirality;
   if (touched == Chirality::kUnknown || of_hand == Chirality::kUnknown || touched == of_hand)
     return;
-  document.notes.push_back(fmt::format(
-      "a {} hand touched, and this is a {} one: its mirror may reach more (load its URDF with --mirror)",
-      nameOf(touched), nameOf(of_hand)));
+  document.notes.push_back(
+      fmt::format("a {} hand touched, and this is a {} one: its mirror may reach more (load "
+                  "its URDF with --mirror)",
+                  nameOf(touched), nameOf(of_hand)));
 }
 
 }  // namespace

@@ -172,8 +172,8 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   void numberFrom(std::uint64_t number) { sequence_number_ = number; }
 
   /// It stands as it was left then (ns of the system's clock), and what is published of this
-  /// revision says so, until it is solved or led on wish (0): a hand's motors must tell what a store
-  /// kept from what somebody wants now.
+  /// revision says so, until it is solved or led on wish (0): a hand's motors must tell what a
+  /// store kept from what somebody wants now.
   void recallFrom(std::int64_t left_ns);
 
   /// Makes it a session of a motion, before anybody knows of it.
