@@ -123,8 +123,7 @@ TEST(NpzFile, IsAZipOfArraysThatNumpyKnows) {
   file.add("names", {"x", "gr\xC3\xBC\xC3\x9F"});
   const std::string bytes = file.bytes();
   EXPECT_EQ(bytes.substr(0, 4), "PK\x03\x04");
-  EXPECT_THAT(bytes,
-              HasSubstr("'descr': '<f8', 'fortran_order': False, 'shape': (2,3,)"));
+  EXPECT_THAT(bytes, HasSubstr("'descr': '<f8', 'fortran_order': False, 'shape': (2,3,)"));
   EXPECT_THAT(bytes, HasSubstr("'descr': '<U4'"));
   // CRC-32 of the member, as any zip program checks it, of bytes worked out by hand elsewhere.
   const std::size_t begin = bytes.find("\x93NUMPY");
