@@ -49,8 +49,9 @@ CommandOutput Editor::replay(const fs::path& path) {
 }
 
 CommandOutput Editor::exportTo(const std::string& format, const fs::path& path) {
+  exportSession(server_, session_->id(), format, {"export", path});
   const std::vector<std::string> notes =
-      exportSession(server_, session_->id(), format, {"export", path});
+      beyondOwnLimits(server_.settings(session_->id()).get());
   return {fmt::format("wrote {}\n{}", handgraft::quoted(path.string()), text::notes(notes)),
           {{"format", format}, {"file", path.string()}, {"notes", notes}}};
 }

@@ -98,7 +98,8 @@ const std::vector<std::string>& exportFormats() {
   return all_formats;
 }
 
-std::vector<std::string> beyondOwnLimits(const v1::SessionSettings& settings, bool is_motion) {
+std::vector<std::string> beyondOwnLimits(const v1::SessionSettings& settings) {
+  const bool is_motion = !settings.state().motion().empty();
   constexpr double kSame = 1e-9;  // rad or m; what writing and reading a number may cost
   std::vector<std::string> notes;
   for (const v1::JointSetting& joint : settings.joints()) {
@@ -119,10 +120,10 @@ std::vector<std::string> beyondOwnLimits(const v1::SessionSettings& settings, bo
   return notes;
 }
 
-std::vector<std::string> exportSession(Client& server,
-                                       std::uint64_t session_id,
-                                       const std::string& format,
-                                       const NamedFile& file) {
+void exportSession(Client& server,
+                   std::uint64_t session_id,
+                   const std::string& format,
+                   const NamedFile& file) {
   requireWritable(file);
   v1::ExportRequest request;
   request.session_id(session_id);
@@ -134,8 +135,6 @@ std::vector<std::string> exportSession(Client& server,
                           .string());
   }
   writeFile(file.path, server.exportSession(request).get());
-  const v1::SessionSettings settings = server.settings(session_id).get();
-  return beyondOwnLimits(settings, !settings.state().motion().empty());
 }
 
 }  // namespace handgraft::client

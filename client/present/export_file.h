@@ -24,18 +24,17 @@ void writeMotionPicture(Client& server,
 /// What a session can be written as by the server, for help and complaints.
 const std::vector<std::string>& exportFormats();
 
-/// What whoever puts this on motors must know: joints that are allowed more than the hand's own
-/// limits, of a grasp (`is_motion`: of any frame) those that make use of it.
-std::vector<std::string> beyondOwnLimits(const v1::SessionSettings& settings, bool is_motion);
+/// What whoever puts this on motors must know: which joints of a grasp stand beyond the hand's
+/// own limits; of a motion, which may go there.
+std::vector<std::string> beyondOwnLimits(const v1::SessionSettings& settings);
 
 /// Has the server write its session in a format, and keeps that in a file. For `problem`, the
 /// hand's URDF is written beside it (`writeHand`). Complaints name the file by `file.option`.
-/// Returns what else is to be told (beyondOwnLimits).
 /// Errors: InvalidInput for a file that may not be written; Refused for a format that is none.
-std::vector<std::string> exportSession(Client& server,
-                                       std::uint64_t session_id,
-                                       const std::string& format,
-                                       const NamedFile& file);
+void exportSession(Client& server,
+                   std::uint64_t session_id,
+                   const std::string& format,
+                   const NamedFile& file);
 
 /// Writes the hand's URDF into the folder and returns its name there. A file that others may
 /// need stays, and so do those of `taken`, which are to be written later: then a hash of the

@@ -1,5 +1,6 @@
 #include "core/formats/demonstration_arrays.h"
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <vector>
@@ -26,6 +27,8 @@ const NpzArray* rowsNamed(const Arrays& arrays,
     const auto found = arrays.find(name);
     if (found == arrays.end()) continue;
     const NpzArray& array = found->second;
+    const bool is_empty = std::count(array.shape.begin(), array.shape.end(), 0) > 0;
+    if (is_empty) continue;
     if (array.values.empty())
       rejectInput("array {} holds no numbers: its type is {}, its shape ({})", quoted(name),
                   quoted(array.type), fmt::join(array.shape, ", "));
@@ -38,12 +41,18 @@ const NpzArray* rowsNamed(const Arrays& arrays,
   return nullptr;
 }
 
-/// A single text; empty where there is none.
-std::string textNamed(const Arrays& arrays, const char* name) {
-  const auto found = arrays.find(name);
+/// The object's name; recordings call arrays of other things so, too.
+std::string objectIn(const Arrays& arrays) {
+  const auto found = arrays.find("object");
+  return found == arrays.end() ? "" : found->second.text;
+}
+
+/// Which hand it is: what tells nothing would be taken for a right one.
+std::string sideIn(const Arrays& arrays) {
+  const auto found = arrays.find("side");
   if (found == arrays.end()) return "";
   if (found->second.text.empty())
-    rejectInput("array {} is no single text: its type is {}, its shape ({})", quoted(name),
+    rejectInput("array 'side' is no single text: its type is {}, its shape ({})",
                 quoted(found->second.type), fmt::join(found->second.shape, ", "));
   return found->second.text;
 }
@@ -146,8 +155,8 @@ json objectPosesFrom(const Arrays& arrays) {
 
 Demonstration demonstrationFrom(const Arrays& arrays) {
   json root = {{"format", kDemonstrationFormat}};
-  for (const char* name : {"object", "side"})
-    if (const std::string text = textNamed(arrays, name); !text.empty()) root[name] = text;
+  if (const std::string object = objectIn(arrays); !object.empty()) root["object"] = object;
+  if (const std::string side = sideIn(arrays); !side.empty()) root["side"] = side;
   const std::size_t frames = putHand(arrays, root);
   if (const NpzArray* places = rowsNamed(arrays, {"mano_translation_m", "trans", "transl"}, 3))
     root["mano_translation_m"] = jsonRows(*places, 3);
@@ -157,7 +166,7 @@ Demonstration demonstrationFrom(const Arrays& arrays) {
 }
 
 std::string objectOfNpz(std::string_view bytes) {
-  return textNamed(readNpz(bytes), "object");
+  return objectIn(readNpz(bytes));
 }
 
 }  // namespace handgraft::formats

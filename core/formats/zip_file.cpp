@@ -21,6 +21,7 @@ constexpr std::uint32_t kEnd = 0x06054B50;
 constexpr std::size_t kEntrySize = 46;
 constexpr std::uint64_t kStored = 0;
 constexpr std::uint64_t kDeflated = 8;
+constexpr std::uint64_t kMemberOfAnyFile = 16 << 20;
 constexpr std::uint64_t kLargest = std::numeric_limits<std::uint32_t>::max();
 
 void appendNumber(std::string& bytes, std::uint64_t value, int size) {
@@ -120,8 +121,7 @@ std::string inflated(std::string_view packed, const Entry& entry) {
 }
 
 ZipMember memberOf(std::string_view bytes, const Entry& entry) {
-  constexpr std::uint64_t kMostOfAnyFile = 16 << 20;
-  const std::uint64_t most = kMostOfAnyFile + 4 * bytes.size();
+  const std::uint64_t most = kMemberOfAnyFile + 4 * bytes.size();
   if (entry.size > most)
     rejectInput("zip: member {} claims {} bytes; permitted are {} in a file of {}",
                 quoted(entry.name), entry.size, most, bytes.size());
@@ -188,8 +188,17 @@ void readZip(std::string_view bytes, const std::function<void(const ZipMember&)>
     rejectInput("zip: it is no zip file, or breaks off");
   const std::uint64_t count = numberAt(bytes, end + 10, 2);
   std::uint64_t at = numberAt(bytes, end + 16, 4);
+  // Entries may all name the same bytes: what they take in time is bounded, too.
+  const std::uint64_t most = 4 * kMemberOfAnyFile + 8 * bytes.size();
+  std::uint64_t total = 0;
   for (std::uint64_t i = 0; i < count; ++i) {
     const Entry entry = entryAt(bytes, at);
+    total += std::min(entry.size, most);
+    if (total > most)
+      rejectInput(
+          "zip: its members claim more than the {} bytes in all that are permitted in "
+          "a file of {}",
+          most, bytes.size());
     take(memberOf(bytes, entry));
     at += entry.entry_size;
   }

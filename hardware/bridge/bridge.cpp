@@ -173,6 +173,10 @@ struct Bridge::Impl {
     say(fmt::format("command {} is none", static_cast<int>(kind)));
   }
 
+  void tellPassedOver(const std::string& text) {
+    if (passed_over.see(text)) say(text);
+  }
+
   void takeStream(Clock::time_point now) {
     statuses.take([&](const v1::ServerStatus& status) {
       if (status.name() == participant.network().server) watch.see(status, now);
@@ -196,27 +200,19 @@ struct Bridge::Impl {
     feed.serverIsThere(is_there);
     sessions->take([this](const v1::SessionState& session) {
       const bool is_ours = feed.see(session);
-      if (!options.session || *options.session == session.session_id())
-        trajectories.see(session);
-      if (is_ours || session.phase() == v1::PHASE_CLOSED) return;
-      if (options.session && *options.session != session.session_id()) return;
-      const std::string text = fmt::format(
-          "session {} is of hand {}, this one is {}: passed over", session.session_id(),
-          handgraft::quoted(session.hand()), handgraft::quoted(options.config->hand));
-      if (passed_over.see(text)) say(text);
+      const bool is_meant = !options.session || *options.session == session.session_id();
+      if (is_meant) trajectories.see(session);
+      if (is_ours || !is_meant || session.phase() == v1::PHASE_CLOSED) return;
+      tellPassedOver(PassedOver::ofAnotherHand(session.session_id(), session.hand(),
+                                               options.config->hand));
     });
     bool is_anew = false;
     solutions->takeDated([&](const v1::PoseSolution& solution, std::int64_t written_ns) {
       is_anew = is_anew || feed.isAnew(solution);
       if (!is_anew) feed.see(solution, written_ns);
     });
-    while (const std::optional<std::uint64_t> kept = feed.takeKept()) {
-      const std::string text = fmt::format(
-          "session {} stands as it was kept: passed over until somebody edits, solves or plays "
-          "it, or it is named (--session {})",
-          *kept, *kept);
-      if (passed_over.see(text)) say(text);
-    }
+    while (const std::optional<std::uint64_t> kept = feed.takeKept())
+      tellPassedOver(PassedOver::asItWasKept(*kept));
     if (!is_anew) return;
     // Gone and back within a moment. What it sent since comes again to readers that join.
     say("the server was started anew");

@@ -1,14 +1,34 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <set>
 #include <string>
 
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+
 namespace handgraft::bridge {
 
-/// Sessions of other hands that a bridge does not follow, as it tells of them.
+/// Sessions that a bridge does not follow, as it tells of them.
 class PassedOver {
  public:
+  static std::string ofAnotherHand(std::uint64_t session,
+                                   const std::string& its_hand,
+                                   const std::string& ours) {
+    return fmt::format("session {} is of hand {}, this one is {}: passed over", session,
+                       quoted(its_hand), quoted(ours));
+  }
+
+  /// A server took it out of its store.
+  static std::string asItWasKept(std::uint64_t session) {
+    return fmt::format(
+        "session {0} stands as it was kept: passed over until somebody edits, solves or plays "
+        "it, or it is named (--session {0})",
+        session);
+  }
+
   /// Whether that has to be said: once, since each edit there publishes its session anew.
   bool see(const std::string& text) {
     last_ = text;

@@ -34,7 +34,8 @@ int run(const ExportOptions& options, const CommonOptions& common, Interruption&
   if (options.format == kHtml) {
     writeFile(options.out, gateway::pageFile(server, session_id, page));
   } else {
-    notes = exportSession(server, session_id, options.format, {"--out", options.out});
+    exportSession(server, session_id, options.format, {"--out", options.out});
+    notes = beyondOwnLimits(server.settings(session_id).get());
   }
   if (common.json) {
     fmt::print("{}\n", json::written({{"session_id", session_id},

@@ -29,15 +29,15 @@ TEST(BeyondOwnLimits, IsToldOfAPoseThatGoesThere) {
   v1::SessionSettings settings;
   settings.joints() = {joint("within", 1.0, 2.0, 1.5), joint("beyond", 1.6, 2.0, 1.5)};
   EXPECT_THAT(
-      beyondOwnLimits(settings, false),
+      beyondOwnLimits(settings),
       ElementsAre(AllOf(HasSubstr("'beyond' is at 91.67 deg"), HasSubstr("85.94 deg"))));
 }
 
 TEST(BeyondOwnLimits, IsToldOfAMotionThatMay) {
   v1::SessionSettings settings;
+  settings.state().motion("pull");
   settings.joints() = {joint("within", 1.0, 1.5, 1.5), joint("beyond", 1.0, 2.0, 1.5)};
-  EXPECT_THAT(beyondOwnLimits(settings, true),
-              ElementsAre(HasSubstr("'beyond' may go from 0")));
+  EXPECT_THAT(beyondOwnLimits(settings), ElementsAre(HasSubstr("'beyond' may go from 0")));
 }
 
 TEST(BeyondOwnLimits, DoNotCountNoiseAndWheels) {
@@ -45,7 +45,7 @@ TEST(BeyondOwnLimits, DoNotCountNoiseAndWheels) {
   v1::SessionSettings settings;
   settings.joints() = {joint("at it", 1.5 + 1e-12, 1.5, 1.5),
                        joint("wheel", 9.0, kNone, kNone)};
-  EXPECT_THAT(beyondOwnLimits(settings, false), IsEmpty());
+  EXPECT_THAT(beyondOwnLimits(settings), IsEmpty());
 }
 
 }  // namespace

@@ -61,6 +61,7 @@ struct Claims {
   std::uint64_t method = 8;
   std::uint64_t flags = 0;
   std::uint64_t size_more = 0;
+  int entries = 1;  ///< of the directory, all of the one member
 };
 
 /// A zip file of one member as numpy.savez_compressed writes it.
@@ -86,16 +87,18 @@ std::string zipped(const std::string& name,
   middle(file);
   file += name + packed;
   const std::size_t begin = file.size();
-  file += "PK\x01\x02";
-  append(file, 20, 2);
-  middle(file);
-  append(file, 0, 14);
-  file += name;
+  for (int i = 0; i < say.entries; ++i) {
+    file += "PK\x01\x02";
+    append(file, 20, 2);
+    middle(file);
+    append(file, 0, 14);
+    file += name;
+  }
   const std::size_t size = file.size() - begin;
   file += "PK\x05\x06";
   append(file, 0, 4);
-  append(file, 1, 2);
-  append(file, 1, 2);
+  append(file, static_cast<std::uint64_t>(say.entries), 2);
+  append(file, static_cast<std::uint64_t>(say.entries), 2);
   append(file, size, 4);
   append(file, begin, 4);
   append(file, 0, 2);
@@ -184,6 +187,9 @@ TEST(NpzFile, CannotBeABomb) {
   const std::string fewer(std::size_t{10} << 20, '\0');
   EXPECT_THAT(objectionTo(zipped("a.npy", npy("|u1", "10485760,", fewer))),
               AllOf(HasSubstr("'a'"), HasSubstr("numbers")));
+  const std::string text = npy("<U1000000", "", std::string(4'000'000, '\0'));
+  EXPECT_THAT(objectionTo(zipped("a.npy", text, {.entries = 1000})),
+              HasSubstr("members claim more than"));
 }
 
 }  // namespace

@@ -215,6 +215,11 @@ TEST_F(MotionPlan, AManoSequenceMayBeNumPys) {
   formats::NpzFile lacking;
   lacking.add("pose", std::vector<double>(96, 0.0), {2, 48});
   EXPECT_THAT(objection(lacking.bytes()), HasSubstr("'fps'"));
+  formats::NpzFile sides;
+  sides.add("pose", std::vector<double>(96, 0.0), {2, 48});
+  sides.add("object", {1.0, 2.0}, {2});  // of something else: no name
+  sides.add("side", {"left", "right"});
+  EXPECT_THAT(objection(sides.bytes()), AllOf(HasSubstr("'side'"), HasSubstr("shape (2)")));
   formats::NpzFile narrow;
   narrow.add("pose", std::vector<double>(20, 0.0), {2, 10});
   EXPECT_THAT(objection(narrow.bytes()), AllOf(HasSubstr("'pose'"), HasSubstr("48")));
