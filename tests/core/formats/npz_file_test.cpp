@@ -91,7 +91,7 @@ std::string zipped(const std::string& name,
     file += "PK\x01\x02";
     append(file, 20, 2);
     middle(file);
-    append(file, 0, 14);
+    file += std::string(14, '\0');
     file += name;
   }
   const std::size_t size = file.size() - begin;
