@@ -24,11 +24,11 @@ start recorder python3 "$here/replay.py" record "$scratch/wire" "$HANDGRAFT_DOMA
 recorder=${pids[-1]}
 sleep 1
 grep -q hears "$scratch/recorder.log" || { cat "$scratch/recorder.log"; echo "skipped: a wire may not be recorded here"; exit 77; }
-run() { # NUMBER: a server and a hand
+run() { # NUMBER [OPTION...]: a server and a hand
   start "server$1" "$bin/handgraft-server" --identity "$keys/a-server"
   server=${pids[-1]}
   await event=ready "$scratch/server$1.log"
-  start "hand$1" "$bin/handgraft-bridge" --identity "$keys/a-hand" --disarmed
+  start "hand$1" "$bin/handgraft-bridge" --identity "$keys/a-hand" --disarmed "${@:2}"
   hand=${pids[-1]}
   await 'simulated hand' "$scratch/hand$1.log"
 }
@@ -56,7 +56,7 @@ held=$(stat -c %s "$scratch/wire")
 unchanged() { # WHEN
   python3 "$here/replay.py" send "$scratch/wire" 2
   sleep 1
-  [ "$(state)" = idle ] || fail "a replayed ARM was obeyed $1"
+  [ "$(state)" = idle ] || { cat "$scratch/said"; fail "the hand is $(state), not idle, $1"; }
   [ "$(revision)" = "$after" ] || fail "a replayed edit was done $1: revision $(revision), was $after"
   for pid in "$server" "$hand"; do kill -0 "$pid" || fail "a program ended $1"; done
   echo "$1: nothing changed"
@@ -71,8 +71,12 @@ wait "$editor" || true
 unchanged "once the editor is gone"
 kill "$server" "$hand"
 wait "$server" "$hand" || true
-run 2
+# The session is named, since a hand passes over what only the store kept: an ARM would be taken here, were it heard.
+run 2 --session "$session"
+await "session $session" "$scratch/hand2.log"
 unchanged "on a server and a hand started anew"
 grep -q level=error "$scratch"/server?.log && { cat "$scratch"/server?.log; fail "the server logs errors"; }
 does edit "$session" --script <(echo 'weight palm 1')
+does bridge arm
+[ "$(state)" = armed ] || fail "the operator's own ARM is not obeyed: the hand is $(state)"
 echo "replayed: passed"
