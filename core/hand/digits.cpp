@@ -291,6 +291,21 @@ std::vector<int> rigidGroupOf(const HandModel& model, int link) {
   return group;
 }
 
+std::vector<int> palmBodyOf(const HandModel& model, int palm_link) {
+  std::vector<int> body{palm_link};
+  const auto linkAt = [&](int link) -> const Link& {
+    return model.links()[static_cast<std::size_t>(link)];
+  };
+  // A palm with both looks and geometry to collide wears what is only to be seen.
+  const bool wears = !linkAt(palm_link).visuals.empty() && !linkAt(palm_link).collisions.empty();
+  for (const int link : rigidGroupOf(model, palm_link)) {
+    const bool is_worn =
+        wears && linkAt(link).collisions.empty() && !linkAt(link).visuals.empty();
+    if (link != palm_link && !is_worn) body.push_back(link);
+  }
+  return body;
+}
+
 Digits findDigits(const HandModel& model, const LinkPoses& X_SL) {
   Digits result;
   const std::vector<int> last_links = lastMovingLinks(model);
@@ -299,7 +314,7 @@ Digits findDigits(const HandModel& model, const LinkPoses& X_SL) {
   for (const int last : last_links)
     for (const int link : pathToRoot(model, last))
       ++users[static_cast<std::size_t>(link)];
-  result.palm_links = rigidGroupOf(model, result.palm_link);
+  result.palm_links = palmBodyOf(model, result.palm_link);
   const std::vector<int> above = pathToRoot(model, result.palm_link);
   for (const HandModel::Node& node : model.nodes()) {
     const bool is_above = std::find(above.begin(), above.end(), node.link) != above.end();

@@ -38,13 +38,17 @@ struct Digit {
 
 struct Digits {
   int palm_link = 0;  ///< the link that all digits spring from
-  /// That and what moves with it, and parts of it that carry several digits, by links.
+  /// That and what is fixed to it (palmBodyOf), and parts of it that carry several digits.
   std::vector<int> palm_links;
   std::vector<Digit> digits;
 };
 
 /// What moves with `link`: itself and all links fixed to it, directly or not.
 std::vector<int> rigidGroupOf(const HandModel& model, int link);
+
+/// The palm and what is fixed to it, but for links that have visuals and no collision geometry
+/// where the palm has both: a camera, a badge.
+std::vector<int> palmBodyOf(const HandModel& model, int palm_link);
 
 /// Finds the digits of a hand: chains of movable joints that end in a link with a surface.
 ///

@@ -188,7 +188,7 @@ std::optional<ContactSite> findPalm(const HandModel& model,
   // Fingers all around the palm: towards the thumb, for want of a wrist.
   if (wristwards.norm() < 0.3) wristwards = thumb_base - bases;
 
-  const std::vector<int> links = rigidGroupOf(model, found.palm_link);
+  const std::vector<int> links = palmBodyOf(model, found.palm_link);
   const Eigen::AlignedBox3d box = boxAround(model, X_SL, links);
   if (box.isEmpty()) return std::nullopt;
 

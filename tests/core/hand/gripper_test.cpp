@@ -68,9 +68,13 @@ HandModel parallelGripper(bool has_guides) {
   return handOfText(has_guides ? "guided" : "parallel", links);
 }
 
-/// Two jaws along z that slide apart along y, and touch where they are at rest.
-HandModel slidingGripper() {
-  std::string links = boxLink("base", "0.04 0.12 0.05", "0 0 -0.025");
+/// Two jaws along z that slide apart along y, and touch where they are at rest; with more links
+/// and joints.
+HandModel slidingGripper(const std::string& more = "") {
+  const std::string box =
+      "<origin xyz='0 0 -0.025'/><geometry><box size='0.04 0.12 0.05'/></geometry>";
+  std::string links = fmt::format(
+      "<link name='base'><visual>{0}</visual><collision>{0}</collision></link>{1}", box, more);
   links += boxLink("jaw_1", "0.02 0.014 0.05", "0 0.007 0.027");
   links += boxLink("jaw_2", "0.02 0.014 0.05", "0 -0.007 0.027");
   links += joint({"drive", "prismatic", "base", "jaw_1", "xyz='0 0 0'", "0 1 0", "0.04", 0.0});
@@ -135,6 +139,15 @@ TEST(Gripper, HasJawsThatSlide) {
     EXPECT_LT(digit.closing.y() * digit.tip.y(), 0.0);
     EXPECT_NEAR(digit.flexion_axis.cross(digit.outward).dot(digit.closing), 1.0, 1e-9);
   }
+  expectJaws(model, {"jaw_1", "jaw_2"}, 1);
+}
+
+TEST(Gripper, WearsACameraThatIsNoPalm) {
+  const HandModel model = slidingGripper(
+      "<link name='camera'><visual><geometry><box size='0.05 0.03 0.03'/></geometry></visual>"
+      "</link>" +
+      joint({"mount", "fixed", "base", "camera", "xyz='0.03 0 0.015'", "0 0 1", "0", 0.0}));
+  EXPECT_EQ(digitsOf(model).palm_links, std::vector<int>{model.linkIndex("base")});
   expectJaws(model, {"jaw_1", "jaw_2"}, 1);
 }
 
