@@ -78,11 +78,16 @@ session::LogEntry entryOf(const Field& field) {
     return followed;
   }
   const Field solve = field["solve"];
-  solve.requireOnly({"solving", "objective", "change"});
+  solve.requireOnly({"solving", "objective", "change", "is_step"});
   auto committed = std::make_shared<session::CommittedSolve>();
   solve["solving"].read(committed->solving);
   solve["objective"].read(committed->objective);
   solve["change"].read(committed->change);
+  if (solve.has("is_step")) {
+    bool is_step = false;
+    solve["is_step"].read(is_step);
+    committed->is_step = is_step;
+  }
   return std::shared_ptr<const session::CommittedSolve>(std::move(committed));
 }
 

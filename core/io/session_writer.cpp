@@ -162,10 +162,11 @@ struct Writer {
     if (const auto* followed = std::get_if<session::FollowedMotion>(&entry))
       return {{"motion", json(*followed)}};
     const auto& solve = *std::get<std::shared_ptr<const session::CommittedSolve>>(entry);
-    return {{"solve",
-             {{"solving", json(solve.solving)},
-              {"objective", json(solve.objective)},
-              {"change", json(solve.change)}}}};
+    ordered_json written = {{"solving", json(solve.solving)},
+                            {"objective", json(solve.objective)},
+                            {"change", json(solve.change)}};
+    if (solve.is_step) written["is_step"] = *solve.is_step;
+    return {{"solve", std::move(written)}};
   }
 };
 

@@ -141,6 +141,7 @@ void visitFields(Maybe<CommittedSolve> auto& solve, auto&& visit) {
   visit("solving", solve.solving);
   visit("objective", solve.objective);
   visit("change", solve.change);
+  visit("is_step", solve.is_step);
 }
 
 void visitFields(Maybe<FollowedMotion> auto& motion, auto&& visit) {

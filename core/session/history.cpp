@@ -58,9 +58,10 @@ void History::edit(Document document, std::string label) {
   present_ = std::move(document);
 }
 
-void History::commit(Document document) {
-  if (undo_.empty()) {
+void History::commit(Document document, bool is_step) {
+  if (is_step) {
     undo_.pushBack(stepTo(document, present_, kSolveLabel));
+    if (undo_.size() > kMostSteps) undo_.popFront();
   } else {
     rebase(undo_, present_, document);
   }

@@ -22,8 +22,9 @@ struct Snapshot {
 /// A step leads to the document as it was before its edit, whatever solves were committed
 /// since; a redo to the one that the undo left, those solves included. So undoing everything
 /// ends at the first document, and redoing everything at the last, to the byte.
-/// A solve committed before any edit is a step of its own, "solve"; later ones belong to the
-/// edit that they answer.
+/// A solve belongs to the edit that it answers, and the first one to the first document, which
+/// nobody wants to see without an answer. One that somebody asked for where an answer stood is
+/// a step of its own, "solve".
 class History {
  public:
   History() = default;
@@ -35,8 +36,9 @@ class History {
   /// Puts an edit's result in place. What could be redone is gone.
   void edit(Document document, std::string label);
 
-  /// Puts the result of a solve in place, which answers the present document.
-  void commit(Document document);
+  /// Puts the result of a solve in place, which answers the present document; as a step of its
+  /// own or not.
+  void commit(Document document, bool is_step);
 
   /// Errors: InvalidInput unless 1 <= count <= steps there are.
   void undo(int count);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -18,6 +19,9 @@ struct CommittedSolve {
   SolverSettings solving;
   double objective = 0.0;
   DocumentChange change;
+  /// Whether it is a step to undo (History::commit). Missing in logs of before this was asked:
+  /// there it is one where it comes before any edit.
+  std::optional<bool> is_step;
 };
 
 /// A solve that ended without an answer; it changed nothing.

@@ -198,7 +198,8 @@ std::shared_ptr<const CommittedSolve> Session::commit(Solution solution) {
   entry->solving = solution.solving;
   entry->objective = solution.report.terms.objective;
   entry->change = changeBetween(document(), solution.document);
-  history_.commit(std::move(solution.document));
+  entry->is_step = document().is_solved && !(solution.document == document());
+  history_.commit(std::move(solution.document), *entry->is_step);
   derived_.adopt(std::move(solution.patches));
   derived_.follow(document(), Progress());
   minima_ = std::move(solution.report.minima);
@@ -212,7 +213,7 @@ void Session::commit(const CommittedSolve& solve) {
   Document after = applyTo(document(), solve.change);
   validateDocument(after, *cache_);
   derived_.follow(after, Progress());
-  history_.commit(std::move(after));
+  history_.commit(std::move(after), solve.is_step.value_or(history_.undoCount() == 0));
   minima_.clear();
   chosen_minimum_ = 0;
   log_.add(std::make_shared<const CommittedSolve>(solve), history_, revision_);
@@ -238,7 +239,7 @@ Solution Session::standing(const Progress& progress) {
 }
 
 bool Session::needsSolve() const {
-  return !document().is_solved && history_.undoCount() > 0;
+  return !document().is_solved && history_.undoCount() + history_.redoCount() > 0;
 }
 
 optimize::SolveReport Session::optimize(const optimize::SolveOptions& options,

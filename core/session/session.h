@@ -139,8 +139,8 @@ class Session {
   /// choice. With the minima of the last committed solution where the start is one of them.
   Solution standing(const Progress& progress);
 
-  /// There is an edit that no solution answers yet; false after undo and redo to documents that
-  /// were solved, or never were.
+  /// Somebody edited, and no solution answers what stands; false after undo and redo to
+  /// documents that were solved.
   [[nodiscard]] bool needsSolve() const;
 
   /// `solve` and `commit`, with the document's form of normals and care for depth.

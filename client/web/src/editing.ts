@@ -15,7 +15,6 @@ export class Editing {
   /** From an edit's sending to its pose, in ms. */
   readonly delays_ms: number[] = [];
 
-  private begun = 0; // steps that were there before the first edit
   /** Edits that were made as one: a drag. Undone as one, too. */
   private readonly groups: { from: number; to: number }[] = [];
   private readonly sent: { revision: number; at_ms: number }[] = [];
@@ -24,7 +23,6 @@ export class Editing {
 
   /** Another session, or none. */
   forget(): void {
-    this.begun = 0;
     this.groups.length = 0;
   }
 
@@ -32,11 +30,6 @@ export class Editing {
   restart(): void {
     this.forget();
     this.sent.length = 0;
-  }
-
-  /** A session without an edit has so many steps behind it. */
-  beginAt(undo_count: number): void {
-    this.begun = undo_count;
   }
 
   /** One edit; refusals are told. */
@@ -71,9 +64,8 @@ export class Editing {
     session.lookup.soon();
   }
 
-  /** The solve that a session begins with is no edit: without it the hand is far off. */
   get mayUndo(): boolean {
-    return this.session.mayEdit && (this.session.state?.undo_count ?? 0) > this.begun;
+    return this.session.mayEdit && (this.session.state?.undo_count ?? 0) > 0;
   }
 
   async undo(): Promise<void> {

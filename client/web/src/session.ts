@@ -159,6 +159,7 @@ export class Session implements Listener {
 
   async solve(): Promise<void> {
     await this.link.ask({ kind: 'optimize', optimize: { session_id: this.id, options: null } });
+    this.editing.forget(); // a step of its own, behind which a drag's edits are no longer the last
   }
 
   /** Edits of a motion hold about the time that is shown, so many seconds; null: for all of it. */
@@ -218,7 +219,6 @@ export class Session implements Listener {
     const isNew = this.countsAnew || state.revision !== this.state?.revision;
     this.countsAnew = false;
     this.state = state;
-    if (state.revision === 0) this.editing.beginAt(state.undo_count);
     if (state.last_edit !== '' && page >= 0) {
       this.editor = this.nameOf(isOurs ? page || this.page : 0);
       if (isNew && this.editor !== 'you') this.notify(saidBy(this.editor, state.last_edit));

@@ -94,17 +94,52 @@ TEST(SessionHistory, UndoesAndRedoesEditsWithTheSolvesThatAnsweredThem) {
   EXPECT_FALSE(session.needsSolve());
   session.apply(UndoEdit{});
   EXPECT_TRUE(session.document() == first);
-  EXPECT_FALSE(session.needsSolve());  // it never was solved
+  EXPECT_TRUE(session.needsSolve());  // it never was solved
   session.apply(RedoEdit{2});
   EXPECT_TRUE(session.document() == weighted);
   EXPECT_EQ(session.revision(), 5u);  // all of them count
 }
 
-TEST(SessionHistory, ASolveBeforeAnyEditIsAStepOfItsOwn) {
+TEST(SessionHistory, TheFirstSolveIsNoStep) {
+  Session session = opened();
+  solveAndCommit(session);
+  const Document solved = session.document();
+  expectRefusal(
+      [&] {
+        session.apply(UndoEdit{});
+      },
+      "nothing to undo");
+  session.apply(JointLimitEdit{"index_1", 0.0, 0.7});
+  solveAndCommit(session);
+  session.apply(UndoEdit{});
+  EXPECT_TRUE(session.document() == solved);
+}
+
+TEST(SessionHistory, ASolveWhereAnAnswerStandsIsAStepOfItsOwn) {
+  Session session = opened();
+  session.apply(JointLimitEdit{"index_1", 0.0, 0.7});
+  solveAndCommit(session);
+  const Document answered = session.document();
+  SolverSettings paper = answered.solving;
+  paper.paper = true;
+  session.commit(session.solve(paper, SolveRun(), Progress()));
+  const Document again = session.document();
+  ASSERT_FALSE(again == answered);
+  EXPECT_THAT(session.history().undoLabels(20),
+              ElementsAre("solve", "limit index_1 0 to 0.7 rad"));
+  session.apply(UndoEdit{});
+  EXPECT_TRUE(session.document() == answered);
+  session.apply(RedoEdit{});
+  EXPECT_TRUE(session.document() == again);
+}
+
+TEST(SessionHistory, ASolveOfALogFromBeforeIsAStepWhereItIsTheFirst) {
   Session session = opened();
   const Document first = session.document();
-  solveAndCommit(session);
-  solveAndCommit(session);
+  CommittedSolve solve;
+  solve.change =
+      changeBetween(first, session.solve(first.solving, SolveRun(), Progress()).document);
+  session.commit(solve);
   EXPECT_THAT(session.history().undoLabels(20), ElementsAre("solve"));
   session.apply(UndoEdit{});
   EXPECT_TRUE(session.document() == first);

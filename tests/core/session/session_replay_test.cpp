@@ -78,6 +78,7 @@ void editAtRandom(Session& session, unsigned seed) {
 
 void expectHistoryHolds(const SessionModels& models, unsigned seed) {
   Session session(models, Pose::Identity(), {});
+  session.commit(session.solve(SolverSettings(), SolveRun(), Progress()));
   const Document first = session.document();
   editAtRandom(session, seed);
   const Document last = session.document();
