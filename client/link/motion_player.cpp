@@ -12,6 +12,7 @@ namespace handgraft::client {
 namespace {
 
 constexpr double kSlowest = 0.01;
+constexpr double kGoOver = 0.5;  // s
 constexpr double kFastest = 100.0;
 constexpr std::size_t kLongestTopic = 255;
 
@@ -108,6 +109,27 @@ std::vector<double> JointInterpolation::at(double time_s) const {
   std::vector<double> joints = joints_[next - 1];
   for (std::size_t i = 0; i < joints.size(); ++i)
     joints[i] += share * (joints_[next][i] - joints[i]);
+  return joints;
+}
+
+void ChangingWay::goOverTo(JointInterpolation way, Time now) {
+  if (way.duration() != now_.duration()) {
+    rejectInput("the motion lasts {:g} s now, it was {:g} s: play it anew", way.duration(),
+                now_.duration());
+  }
+  before_ = std::exchange(now_, std::move(way));
+  since_ = now;
+}
+
+std::vector<double> ChangingWay::at(double time_s, Time now) const {
+  std::vector<double> joints = now_.at(time_s);
+  if (!before_) return joints;
+  const double share =
+      std::clamp(std::chrono::duration<double>(now - since_).count() / kGoOver, 0.0, 1.0);
+  if (share == 1.0) return joints;
+  const std::vector<double> before = before_->at(time_s);
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    joints[i] = before[i] + share * (joints[i] - before[i]);
   return joints;
 }
 

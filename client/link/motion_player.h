@@ -2,7 +2,9 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/network.h"
@@ -71,6 +73,27 @@ class JointInterpolation {
  private:
   std::vector<double> time_s_;
   std::vector<std::vector<double>> joints_;
+};
+
+/// The way of a motion that is edited while it is played: another one takes over within half a
+/// second.
+class ChangingWay {
+ public:
+  using Time = PlayClock::Time;
+
+  explicit ChangingWay(JointInterpolation way) : now_(std::move(way)) {}
+
+  [[nodiscard]] double duration() const { return now_.duration(); }
+
+  /// Errors: InvalidInput if its duration is another one.
+  void goOverTo(JointInterpolation way, Time now);
+
+  [[nodiscard]] std::vector<double> at(double time_s, Time now) const;
+
+ private:
+  JointInterpolation now_;
+  std::optional<JointInterpolation> before_;
+  Time since_{};
 };
 
 /// Writes timed samples for the hand of a session, as bridges and ROS 2 hear them.

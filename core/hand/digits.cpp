@@ -297,7 +297,8 @@ std::vector<int> palmBodyOf(const HandModel& model, int palm_link) {
     return model.links()[static_cast<std::size_t>(link)];
   };
   // A palm with both looks and geometry to collide wears what is only to be seen.
-  const bool wears = !linkAt(palm_link).visuals.empty() && !linkAt(palm_link).collisions.empty();
+  const bool wears =
+      !linkAt(palm_link).visuals.empty() && !linkAt(palm_link).collisions.empty();
   for (const int link : rigidGroupOf(model, palm_link)) {
     const bool is_worn =
         wears && linkAt(link).collisions.empty() && !linkAt(link).visuals.empty();

@@ -27,6 +27,7 @@ namespace handgraft::bridge {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using idl::cyclone::Origin;
 using safety::GovernorState;
 using safety::HoldCause;
 
@@ -119,8 +120,8 @@ struct Bridge::Impl {
     takeSamples(now);
     passPose(now);
     const MotionState* news = motion ? motion->take() : nullptr;
-    armIfWilling();
-    remark();
+    armIfWilling(now);
+    remark(now);
     publish(news, now);
   }
 
@@ -178,8 +179,9 @@ struct Bridge::Impl {
   }
 
   void takeStream(Clock::time_point now) {
-    statuses.take([&](const v1::ServerStatus& status) {
-      if (status.name() == participant.network().server) watch.see(status, now);
+    statuses.takeWithOrigin([&](const v1::ServerStatus& status, const Origin& origin) {
+      if (status.name() == participant.network().server)
+        watch.see(status, now, origin.written_ns);
     });
     const bool is_there = watch.isThere(now);
     if (is_there != server_is_there) say(is_there ? "server found" : "the server is gone");
@@ -207,9 +209,9 @@ struct Bridge::Impl {
                                                options.config->hand));
     });
     bool is_anew = false;
-    solutions->takeDated([&](const v1::PoseSolution& solution, std::int64_t written_ns) {
+    solutions->takeWithOrigin([&](const v1::PoseSolution& solution, const Origin& origin) {
       is_anew = is_anew || feed.isAnew(solution);
-      if (!is_anew) feed.see(solution, written_ns);
+      if (!is_anew) feed.see(solution, origin.written_ns);
     });
     while (const std::optional<std::uint64_t> kept = feed.takeKept())
       tellPassedOver(PassedOver::asItWasKept(*kept));
@@ -233,7 +235,7 @@ struct Bridge::Impl {
 
   // After poses: samples are the newer word.
   void takeSamples(Clock::time_point now) {
-    trajectories.take([&](std::uint64_t session, const TrajectoryFeed::Message& told) {
+    trajectories.take(now, [&](std::uint64_t session, const TrajectoryFeed::Message& told) {
       const TrajectoryFeed::Message message = withLed(told);
       const std::int64_t system_ns = systemTimeOf(now).count();
       const std::optional<StreamFeed::Heard> heard = feed.hear(session, system_ns);
@@ -253,6 +255,16 @@ struct Bridge::Impl {
         motion->offer(pose);
       }
     });
+    tellOtherPlayers();
+  }
+
+  void tellOtherPlayers() {
+    const std::optional<std::uint64_t> session = trajectories.takeOther();
+    if (!session) return;
+    const std::string text = fmt::format(
+        "session {} is played by two programs: the one that came first is followed", *session);
+    own_refusal.note(v1::REFUSAL_POSE, text);
+    say(text);
   }
 
   [[nodiscard]] TrajectoryFeed::Message withLed(const TrajectoryFeed::Message& told) const {
@@ -285,10 +297,13 @@ struct Bridge::Impl {
   }
 
   void passPose(Clock::time_point now) {
-    if (std::optional<StreamFeed::Pose> pose = feed.take()) {
+    if (std::optional<StreamFeed::Pose> pose = feed.take(watch.serverTime(now), now)) {
       waiting = std::move(pose);
       waiting_since = now;
     }
+    while (const std::optional<std::uint64_t> left = feed.takeLeft())
+      tellPassedOver(PassedOver::leftByDemonstrator(*left));
+    tellWhetherLeft(now);
     if (options.config) {
       compareWithModel();
     } else {
@@ -297,8 +312,17 @@ struct Bridge::Impl {
     if (waiting && (options.config || choice.isOf(*waiting))) {
       offer(*std::exchange(waiting, std::nullopt));
     }
-    const std::optional<std::uint64_t> alive = feed.alive();
+    const std::optional<std::uint64_t> alive = feed.alive(now);
     if (motion && alive) motion->renew(*alive, now);
+  }
+
+  void tellWhetherLeft(Clock::time_point now) {
+    if (feed.isLeft(now) == is_left) return;
+    is_left = !is_left;
+    if (!is_left) return;
+    const std::string text = PassedOver::leftByDemonstrator(feed.session());
+    passed_over.see(text);
+    say(text);
   }
 
   void offer(StreamFeed::Pose pose) {
@@ -351,10 +375,9 @@ struct Bridge::Impl {
     waiting.reset();
   }
 
-  void armIfWilling() {
-    if (!rival.empty() || !is_willing || !motion || !feed.alive() ||
-        state().stream != *feed.alive())
-      return;
+  void armIfWilling(Clock::time_point now) {
+    const std::optional<std::uint64_t> alive = feed.alive(now);
+    if (!rival.empty() || !is_willing || !motion || !alive || state().stream != *alive) return;
     const bool rests =
         state().state == GovernorState::kIdle ||
         (state().state == GovernorState::kHolding && state().hold != HoldCause::kDisarmed);
@@ -365,7 +388,7 @@ struct Bridge::Impl {
 
   // === What there is to say
 
-  void remark() {
+  void remark(Clock::time_point at) {
     if (std::string homed = calibration.takeText(); !homed.empty()) say(std::move(homed));
     const MotionState& now = state();
     if (now.refusals != told_refusals) {
@@ -379,7 +402,8 @@ struct Bridge::Impl {
       told_reason = std::move(reason);
     }
     if (arrived || now.state != GovernorState::kArmed || now.stream == 0) return;
-    if (!feed.alive() || now.stream != *feed.alive()) return;
+    const std::optional<std::uint64_t> alive = feed.alive(at);
+    if (!alive || now.stream != *alive) return;
     if (now.sequence != offered) return;  // the newest pose was refused, or is on its way
     if (!isAtTarget(now, kArrived)) return;
     arrived = true;
@@ -452,6 +476,7 @@ struct Bridge::Impl {
   bool server_is_there = false, has_met_server = false, has_missed_server = false;
   bool is_willing = false;  // to arm by itself
   bool has_armed_itself = false;
+  bool is_left = false;                     // by a demonstrator who was followed
   bool arrived = false;                     // at the newest pose, and said so
   std::uint64_t offered = 0;                // number of the pose that was handed over last
   std::uint64_t pose_number = 0;            // of the newest pose, before it was diagnosed

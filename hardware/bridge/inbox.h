@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
 #include <functional>
 #include <memory>
 
@@ -27,16 +26,17 @@ class Inbox {
 
   /// Hands over what came; how many. Errors: as of `use`; the rest comes at the next call.
   int take(const std::function<void(const Message&)>& use) {
-    return takeDated([&use](const Message& message, std::int64_t) {
+    return takeWithOrigin([&use](const Message& message, const idl::cyclone::Origin&) {
       use(message);
     });
   }
 
-  /// The same with when it was written (Reader::takeDated).
-  int takeDated(const std::function<void(const Message&, std::int64_t written_ns)>& use) {
+  /// The same with where each comes from.
+  int takeWithOrigin(
+      const std::function<void(const Message&, const idl::cyclone::Origin&)>& use) {
     if (!has_come_->exchange(false)) return 0;
     try {
-      return reader_.takeDated(use);
+      return reader_.takeWithOrigin(use);
     } catch (...) {
       *has_come_ = true;
       throw;

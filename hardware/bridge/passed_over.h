@@ -29,6 +29,14 @@ class PassedOver {
         session);
   }
 
+  /// Somebody was followed there, and has gone.
+  static std::string leftByDemonstrator(std::uint64_t session) {
+    return fmt::format(
+        "session {} stands where its demonstrator left it: passed over until somebody follows, "
+        "edits, solves or plays it",
+        session);
+  }
+
   /// Whether that has to be said: once, since each edit there publishes its session anew.
   bool see(const std::string& text) {
     last_ = text;

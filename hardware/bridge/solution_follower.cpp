@@ -11,6 +11,8 @@ constexpr std::size_t kMostSessions = 256;  // remembered; more than one server 
 // A pose is written within milliseconds of its stamp, also by a server that starves; those out
 // of a store are older.
 constexpr std::int64_t kKeptAfter = 3'000'000'000;  // ns
+constexpr std::int64_t kSilence = 1'000'000'000;    // ns
+constexpr std::int64_t kLiveFor = 1'000'000'000;    // ns
 
 }  // namespace
 
@@ -90,22 +92,46 @@ void SolutionFollower::see(const v1::PoseSolution& solution, std::int64_t writte
   session.last_stamp = stamp_ns;
   session.newest = solution;
   session.newest->stamp_ns(stamp_ns);
+  session.written_ns = written_ns != 0 ? written_ns : stamp_ns;
 }
 
 std::optional<std::uint64_t> SolutionFollower::takeKept() {
+  return takeTold(&Session::is_kept);
+}
+
+std::optional<std::uint64_t> SolutionFollower::takeLeft() {
+  return takeTold(&Session::is_left_by_demonstrator);
+}
+
+std::optional<std::uint64_t> SolutionFollower::takeTold(bool Session::*is_to_be_told) {
   for (auto& [id, session] : sessions_) {
-    if (!session.is_kept || !session.state || session.is_closed) continue;
-    session.is_kept = false;
+    if (!(session.*is_to_be_told) || !session.state || session.is_closed) continue;
+    session.*is_to_be_told = false;
     return id;
   }
   return std::nullopt;
+}
+
+// It answers a demonstrator's frame.
+bool SolutionFollower::isLive(const Session& session) {
+  return session.newest && !session.newest->time_s().empty();
+}
+
+void SolutionFollower::passOverLeft(std::int64_t server_ns) {
+  for (auto& [id, session] : sessions_) {
+    if (!isLive(session) || server_ns - session.written_ns <= kLiveFor) continue;
+    session.newest.reset();
+    session.is_left_by_demonstrator = true;
+  }
 }
 
 const std::string* SolutionFollower::hear(std::uint64_t id, std::int64_t stamp_ns) {
   if (id == 0 || (only_ && id != *only_)) return nullptr;
   Session& session = sessionOf(id);
   if (!session.state || session.is_closed || session.is_history) return nullptr;
-  if (!session.has_streamed) session.first_stamp = stamp_ns;
+  if (!session.has_streamed || stamp_ns - session.heard_ns > kSilence)
+    session.first_stamp = stamp_ns;
+  session.heard_ns = stamp_ns;
   session.has_streamed = true;
   if (followed_ != id) {
     const auto current = sessions_.find(followed_);
@@ -135,10 +161,11 @@ bool SolutionFollower::isClosed() const {
   return found != sessions_.end() && found->second.is_closed;
 }
 
-std::optional<FollowedPose> SolutionFollower::take() {
+std::optional<FollowedPose> SolutionFollower::take(std::optional<std::int64_t> server_ns) {
+  if (server_ns) passOverLeft(*server_ns);
   // Only sessions with something new can take over; the one followed stays until then.
   for (const auto& [id, session] : sessions_) {
-    if (!hasPose(session) || !mayFollow(id)) continue;
+    if (!hasPose(session) || !mayFollow(id) || (isLive(session) && !server_ns)) continue;
     const auto current = sessions_.find(followed_);
     const bool is_free = current == sessions_.end() || current->second.is_closed;
     if (is_free || beganAfter(id, followed_)) followed_ = id;
@@ -151,9 +178,10 @@ std::optional<FollowedPose> SolutionFollower::take() {
   const auto found = sessions_.find(followed_);
   if (found == sessions_.end()) return std::nullopt;
   Session& session = found->second;
-  if (!hasPose(session)) return std::nullopt;
+  if (!hasPose(session) || (isLive(session) && !server_ns)) return std::nullopt;
 
   FollowedPose pose;
+  pose.is_live = isLive(session);
   pose.session_id = followed_;
   pose.sequence_number = session.newest->sequence_number();
   pose.stamp_ns = session.newest->stamp_ns();

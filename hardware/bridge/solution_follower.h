@@ -19,6 +19,7 @@ struct FollowedPose {
   std::string hand;                ///< the model's name
   std::vector<std::string> names;  ///< the order of `joint_rad`
   std::vector<double> joint_rad;   ///< as it came: unchecked
+  bool is_live = false;            ///< answers a demonstrator's frame, and counts no longer
 };
 
 /// Picks one session out of all that stream, and its newest pose. Solutions and session states
@@ -39,6 +40,13 @@ struct FollowedPose {
 /// its own stamp counts only of the session given, or the one that was followed before. Others
 /// begin to stream when somebody edits, solves or plays them.
 ///
+/// Timed samples that come after a silence of a second begin to stream then: whoever plays a
+/// session means it.
+///
+/// A pose that answers a demonstrator's frame is worth something while it is fresh: one that
+/// was written more than a second ago says where somebody was who has gone, and is passed over,
+/// also of the session given.
+///
 /// A session may take another hand by an edit. Its poses count only with the state that says
 /// whose they are: not before the state has come to their revision, and not if they answer a
 /// revision before the one that brought this hand.
@@ -53,6 +61,9 @@ class SolutionFollower {
   /// An open session of which a pose out of a store was passed over; each is told once.
   std::optional<std::uint64_t> takeKept();
 
+  /// The same of one that stands where its demonstrator left it.
+  std::optional<std::uint64_t> takeLeft();
+
   /// Timed samples of this session come, first at `stamp_ns`: they count as its stream, beside
   /// its poses. The hand's name if it is the session followed, now or from now on; null if its
   /// state is not known yet, it is closed, or another session goes before.
@@ -66,8 +77,9 @@ class SolutionFollower {
   /// The server is gone, and what it says when it is back is news.
   void forget();
 
-  /// The newest pose of the followed session, once.
-  std::optional<FollowedPose> take();
+  /// The newest pose of the followed session, once. `server_ns`: now, by the clock of what was
+  /// written; while it is not known, poses that answer a demonstrator wait.
+  std::optional<FollowedPose> take(std::optional<std::int64_t> server_ns);
 
   /// The session followed; 0: none yet.
   [[nodiscard]] std::uint64_t session() const { return followed_; }
@@ -82,17 +94,23 @@ class SolutionFollower {
     bool has_streamed = false;
     std::int64_t first_stamp = 0;
     std::int64_t last_stamp = 0;
+    std::int64_t written_ns = 0;  // the newest pose
+    std::int64_t heard_ns = 0;    // the newest timed sample
     std::uint64_t last_number = 0;
     std::uint64_t hand_since = 0;  // the first revision known to be of this hand
     bool is_left = false;          // it was of another hand when last heard of
     bool is_closed = false;
-    bool is_kept = false;     // it stands as a store kept it, and that is not told yet
-    bool is_history = false;  // closed before we ever saw it open
+    bool is_kept = false;  // it stands as a store kept it, and that is not told yet
+    bool is_left_by_demonstrator = false;  // likewise
+    bool is_history = false;               // closed before we ever saw it open
     std::uint64_t last_seen = 0;
   };
 
   Session& sessionOf(std::uint64_t id);
   static bool hasPose(const Session& session);
+  static bool isLive(const Session& session);
+  std::optional<std::uint64_t> takeTold(bool Session::*is_to_be_told);
+  void passOverLeft(std::int64_t server_ns);
   [[nodiscard]] bool beganAfter(std::uint64_t a, std::uint64_t b) const;
   [[nodiscard]] bool mayFollow(std::uint64_t id) const;
 

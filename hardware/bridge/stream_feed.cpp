@@ -4,6 +4,12 @@
 
 namespace handgraft::bridge {
 
+namespace {
+
+constexpr std::chrono::milliseconds kLiveSilence(500);
+
+}  // namespace
+
 StreamFeed::StreamFeed(std::optional<std::uint64_t> only,
                        bool with_intermediate,
                        bool outlives_closing,
@@ -35,9 +41,12 @@ bool StreamFeed::isAnew(const v1::PoseSolution& solution) const {
          solution.sequence_number() >> kPerLife != last_sequence_ >> kPerLife;
 }
 
-std::optional<StreamFeed::Pose> StreamFeed::take() {
-  std::optional<FollowedPose> pose = follower_.take();
+std::optional<StreamFeed::Pose> StreamFeed::take(std::optional<std::int64_t> server_ns,
+                                                 Time now) {
+  std::optional<FollowedPose> pose = follower_.take(server_ns);
   if (!pose) return std::nullopt;
+  live_at_.reset();
+  if (pose->is_live) live_at_ = now;
   const bool goes_on =
       has_begun_ && pose->session_id == session_ && pose->sequence_number > last_sequence_;
   if (!goes_on) ++stream_;
@@ -60,12 +69,17 @@ std::optional<StreamFeed::Heard> StreamFeed::hear(std::uint64_t session,
     last_joint_rad_.clear();
   }
   has_begun_ = true;
+  live_at_.reset();
   session_ = session;
   return Heard{stream_, *hand};
 }
 
-std::optional<std::uint64_t> StreamFeed::alive() const {
-  if (!server_is_there_ || !has_begun_) return std::nullopt;
+bool StreamFeed::isLeft(Time now) const {
+  return has_begun_ && live_at_ && now - *live_at_ > kLiveSilence;
+}
+
+std::optional<std::uint64_t> StreamFeed::alive(Time now) const {
+  if (!server_is_there_ || !has_begun_ || isLeft(now)) return std::nullopt;
   if (follower_.isClosed() && !outlives_closing_) return std::nullopt;
   return stream_;
 }

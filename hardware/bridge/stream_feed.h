@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -15,9 +16,12 @@ namespace handgraft::bridge {
 /// A stream is one session in one server's life. Its number grows with each that is followed,
 /// so that a pose of another session, or of a server that started anew, is never taken for one
 /// of the stream before. A stream lives while a server is there and its session is open; with
-/// `outlives_closing`, until the server goes.
+/// `outlives_closing`, until the server goes. One that follows a demonstrator lives while
+/// frames are answered: what is left of it half a second later moves nobody.
 class StreamFeed {
  public:
+  using Time = std::chrono::steady_clock::time_point;
+
   struct Pose {
     std::uint64_t stream = 0;
     /// The joints are those of the pose before in this stream: a final pose comes again once it
@@ -44,6 +48,8 @@ class StreamFeed {
 
   std::optional<std::uint64_t> takeKept() { return follower_.takeKept(); }
 
+  std::optional<std::uint64_t> takeLeft() { return follower_.takeLeft(); }
+
   /// Of the session followed, from its server after a restart: the upper half of a pose's
   /// number tells the server's lives apart (idl/TOPICS.md).
   [[nodiscard]] bool isAnew(const v1::PoseSolution& solution) const;
@@ -61,11 +67,14 @@ class StreamFeed {
   /// What a server said before it went is forgotten: what comes later is news.
   void serverIsThere(bool is_there);
 
-  /// The newest pose, once.
-  std::optional<Pose> take();
+  /// The newest pose, once. `server_ns`: SolutionFollower::take.
+  std::optional<Pose> take(std::optional<std::int64_t> server_ns, Time now);
 
   /// The stream whose newest pose still stands; nothing when none does.
-  [[nodiscard]] std::optional<std::uint64_t> alive() const;
+  [[nodiscard]] std::optional<std::uint64_t> alive(Time now) const;
+
+  /// It followed a demonstrator, who has fallen silent.
+  [[nodiscard]] bool isLeft(Time now) const;
 
   /// The session followed; 0: none yet.
   [[nodiscard]] std::uint64_t session() const { return session_; }
@@ -80,6 +89,7 @@ class StreamFeed {
   std::uint64_t session_ = 0;
   std::uint64_t last_sequence_ = 0;
   std::vector<double> last_joint_rad_;
+  std::optional<Time> live_at_;  ///< when a demonstrator's frame was answered last
 };
 
 }  // namespace handgraft::bridge

@@ -19,6 +19,7 @@ constexpr std::size_t kMostListeners = 32;
 constexpr std::size_t kMostSessions = 4096;
 constexpr char kPrefix[] = "rt/handgraft/";  // of sampleTopicName
 constexpr std::int64_t kSecondNs = 1'000'000'000;
+constexpr std::chrono::milliseconds kPlayerSilence(250);
 
 std::int64_t nanosecondsOf(std::int32_t sec, std::uint32_t nanosec) {
   return kSecondNs * sec + nanosec;
@@ -115,13 +116,39 @@ void TrajectoryFeed::listenToWritten() {
   }
 }
 
-void TrajectoryFeed::take(const Use& use) {
+bool TrajectoryFeed::counts(Listener& listener,
+                            std::uint64_t writer,
+                            std::chrono::steady_clock::time_point now) {
+  if (listener.player != writer && listener.player != 0 &&
+      now - listener.heard <= kPlayerSilence) {
+    if (listener.other != writer) listener.is_other_told = false;
+    listener.other = writer;
+    return false;
+  }
+  if (listener.player != writer) listener.other = 0;
+  listener.player = writer;
+  listener.heard = now;
+  return true;
+}
+
+void TrajectoryFeed::take(std::chrono::steady_clock::time_point now, const Use& use) {
   if (has_news_->exchange(false)) listenToWritten();
   for (auto& [id, listener] : listeners_) {
-    listener.reader->take([&, session = id](const Message& message) {
-      use(session, message);
-    });
+    listener.reader->takeWithOrigin(
+        [&, session = id, &from = listener](const Message& message,
+                                            const idl::cyclone::Origin& origin) {
+          if (counts(from, origin.writer, now)) use(session, message);
+        });
   }
+}
+
+std::optional<std::uint64_t> TrajectoryFeed::takeOther() {
+  for (auto& [id, listener] : listeners_) {
+    if (listener.is_other_told) continue;
+    listener.is_other_told = true;
+    return id;
+  }
+  return std::nullopt;
 }
 
 }  // namespace handgraft::bridge

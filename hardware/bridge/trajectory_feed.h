@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -36,7 +37,8 @@ ReadTrajectory readTrajectory(const trajectory_msgs::msg::dds_::JointTrajectory_
                               std::int64_t system_ns);
 
 /// Timed samples of all sessions that are open: `rt/handgraft/<session>/joint_trajectory`. What
-/// nobody writes is not read.
+/// nobody writes is not read. Of a session that two programs play, the samples of the one that
+/// came first count, until it has been silent for 250 ms: between two a hand would shake.
 class TrajectoryFeed {
  public:
   using Message = trajectory_msgs::msg::dds_::JointTrajectory_;
@@ -50,13 +52,24 @@ class TrajectoryFeed {
   void see(const v1::SessionState& session);
 
   /// Hands over what came, session by session. Errors: as of `use`.
-  void take(const Use& use);
+  void take(std::chrono::steady_clock::time_point now, const Use& use);
+
+  /// A session that two programs play; once while both do.
+  std::optional<std::uint64_t> takeOther();
 
  private:
   struct Listener {
     std::string topic;
     std::unique_ptr<Inbox<Message>> reader;
+    std::uint64_t player = 0;  ///< whose samples count; 0: nobody's yet
+    std::chrono::steady_clock::time_point heard{};
+    std::uint64_t other = 0;  ///< who was passed over last
+    bool is_other_told = true;
   };
+
+  static bool counts(Listener& listener,
+                     std::uint64_t writer,
+                     std::chrono::steady_clock::time_point now);
 
   void listenToWritten();
 

@@ -385,14 +385,14 @@ Reader<Message>::~Reader() = default;
 
 template <class Message>
 int Reader<Message>::take(const std::function<void(const Message&)>& use) {
-  return takeDated([&use](const Message& message, std::int64_t) {
+  return takeWithOrigin([&use](const Message& message, const Origin&) {
     use(message);
   });
 }
 
 template <class Message>
-int Reader<Message>::takeDated(
-    const std::function<void(const Message&, std::int64_t written_ns)>& use) {
+int Reader<Message>::takeWithOrigin(
+    const std::function<void(const Message&, const Origin&)>& use) {
   int count = 0;
   ddsi_serdata* data = nullptr;
   dds_sample_info_t info{};
@@ -410,7 +410,7 @@ int Reader<Message>::takeDated(
       continue;
     }
     ++count;
-    use(message, info.source_timestamp);
+    use(message, {info.source_timestamp, static_cast<std::uint64_t>(info.publication_handle)});
   }
   return count;
 }

@@ -92,6 +92,12 @@ class Writer {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Where a message comes from.
+struct Origin {
+  std::int64_t written_ns = 0;  ///< by its writer's system clock
+  std::uint64_t writer = 0;     ///< tells the writers of one reader apart
+};
+
 /// Receives messages of one topic. What does not decode is dropped and counted.
 template <class Message>
 class Reader {
@@ -106,8 +112,8 @@ class Reader {
   /// Hands every message waiting to `use`; returns how many. `use` may throw.
   int take(const std::function<void(const Message&)>& use);
 
-  /// The same with the time at which each was written, ns of its writer's system clock.
-  int takeDated(const std::function<void(const Message&, std::int64_t written_ns)>& use);
+  /// The same with where each comes from.
+  int takeWithOrigin(const std::function<void(const Message&, const Origin&)>& use);
 
   /// Waits until there is something to take; false when `timeout` passed.
   bool wait(std::chrono::milliseconds timeout);

@@ -118,6 +118,17 @@ TEST(Motion, ABoxIsPulledOffAShelfAndTurned) {
   const Finished told = service.client({"motion", "play", session, "--speed", "10"});
   EXPECT_TRUE(told.out.starts_with("playing at 0.00 of 1.00 s")) << told.out;
 
+  // What is edited while it plays is taken up.
+  const auto playing = service.start("handgraft", {"motion", "play", session, "--loop"});
+  ASSERT_TRUE(playing->waitForText("ends elsewhere than it begins")) << playing->err();
+  const Finished edited = service.client(
+      {"edit", session, "--script", written("weight.txt", "weight index 3\n")});
+  ASSERT_EQ(edited.exit_code, 0) << edited.err;
+  EXPECT_TRUE(playing->waitForText("revision 1 is played from here on")) << playing->err();
+  service.ask({"close", session});
+  EXPECT_EQ(playing->wait(), 1);
+  EXPECT_THAT(playing->err(), HasSubstr("session " + session));
+
   // A file of a motion is as good, on another hand and frame by frame.
   const json causal =
       service.ask({"motion", "solve", "--hand", "tendon16", "--motion", file, "--causal"});

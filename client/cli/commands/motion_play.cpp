@@ -10,13 +10,13 @@
 #include <unistd.h>
 
 #include "client/cli/commands/commands.h"
+#include "client/cli/commands/played_motion.h"
 #include "client/link/client.h"
 #include "client/link/motion_player.h"
 #include "client/link/session_id.h"
 #include "client/present/interactive_client.h"
 #include "client/present/interruption.h"
 #include "client/present/json_output.h"
-#include "client/present/motion_result.h"
 #include "core/base/error.h"
 #include "idl/topics.h"
 
@@ -95,6 +95,23 @@ void tell(const PlayClock& clock, PlayTime now, bool as_json) {
   std::fflush(stdout);
 }
 
+/// A motion that ends elsewhere than it begins makes a hand jump where it begins again.
+void warnOfSeam(const PlayedMotion& way,
+                const std::vector<std::string>& joint_names,
+                PlayTime now) {
+  constexpr double kSeam = 0.05;  // rad or m
+  const std::vector<double> first = way.at(0.0, now);
+  const std::vector<double> last = way.at(way.duration(), now);
+  std::size_t worst = 0;
+  for (std::size_t i = 0; i < first.size(); ++i)
+    if (std::abs(last[i] - first[i]) > std::abs(last[worst] - first[worst])) worst = i;
+  if (first.empty() || std::abs(last[worst] - first[worst]) < kSeam) return;
+  fmt::print(stderr,
+             "it ends elsewhere than it begins: a hand goes there as fast as it may, {} from "
+             "{:.2f} to {:.2f}\n",
+             joint_names[worst], last[worst], first[worst]);
+}
+
 void waitForListeners(const SampleWriter& writer, const Interruption& interruption) {
   const PlayTime give_up = std::chrono::steady_clock::now() + kListenersPatience;
   while (writer.listeners() == 0 && std::chrono::steady_clock::now() < give_up &&
@@ -113,7 +130,7 @@ int run(const MotionPlayOptions& options,
   Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
   const v1::SessionState session = server.describeSession(session_id).get();
-  const JointInterpolation way(framesOf(server, session_id));
+  PlayedMotion way(server, session);
   SampleWriter writer(*server.participant(),
                       options.topic.empty() ? idl::sampleTopicName(session_id) : options.topic,
                       session.joint_names());
@@ -129,6 +146,7 @@ int run(const MotionPlayOptions& options,
   clock.setSpeed(options.speed, now);
   clock.setLooping(options.loops, now);
   clock.seek(options.from_s, now);
+  if (options.loops) warnOfSeam(way, session.joint_names(), now);
   if (!options.paused) clock.play(begin + lead_in);
   tell(clock, now, common.json);
 
@@ -138,6 +156,8 @@ int run(const MotionPlayOptions& options,
   bool was_playing = true;
   while (goes_on && !interruption.requested()) {
     now = std::chrono::steady_clock::now();
+    if (const std::string edited = way.takeEdits(now); !edited.empty())
+      fmt::print(stderr, "{}\n", edited);
     const bool leads_in = now - begin < lead_in;  // the hand goes to where the motion begins
     for (std::string line; goes_on && input.line(line);) {
       try {
@@ -149,7 +169,7 @@ int run(const MotionPlayOptions& options,
     }
     const bool plays = clock.isPlaying(now);
     if (leads_in || plays || was_playing) {
-      writer.write(way.at(clock.at(now)), std::chrono::system_clock::now());
+      writer.write(way.at(clock.at(now), now), std::chrono::system_clock::now());
       ++samples;
     }
     const bool has_ended = !leads_in && !plays && clock.at(now) >= clock.duration();

@@ -102,6 +102,18 @@ TEST(JointInterpolation, IsLinearBetweenFramesAndStandsBeyondThem) {
   EXPECT_THAT(way.at(9), ElementsAre(2, 3));
 }
 
+TEST(ChangingWay, GoesOverToAnotherWithinHalfASecond) {
+  ChangingWay way(JointInterpolation({frame(0, 0, {0}), frame(1, 2, {2})}));
+  way.goOverTo(JointInterpolation({frame(0, 0, {1}), frame(1, 2, {3})}), at(10));
+  EXPECT_THAT(way.at(1.0, at(10)), ElementsAre(1));
+  EXPECT_THAT(way.at(1.0, at(10.25)), ElementsAre(1.5));
+  EXPECT_THAT(way.at(1.0, at(10.5)), ElementsAre(2));
+  EXPECT_THAT(way.at(2.0, at(99)), ElementsAre(3));
+  EXPECT_THROW(way.goOverTo(JointInterpolation({frame(0, 0, {1}), frame(1, 3, {3})}), at(99)),
+               InvalidInput);
+  EXPECT_THAT(way.at(2.0, at(99)), ElementsAre(3));
+}
+
 TEST(JointInterpolation, WantsFramesThatBelongTogether) {
   EXPECT_THROW(JointInterpolation({}), InvalidInput);
   EXPECT_THROW(JointInterpolation({frame(0, 0, {1}), frame(1, 0, {2})}), InvalidInput);

@@ -14,7 +14,7 @@ class StreamFeedTest : public ::testing::Test {
   /// The stream of the pose that comes of it; 0: none.
   std::uint64_t see(StreamFeed& by, const v1::PoseSolution& pose) {
     by.see(pose);
-    const auto taken = by.take();
+    const auto taken = by.take({}, {});
     return taken ? taken->stream : 0;
   }
 
@@ -23,13 +23,13 @@ class StreamFeedTest : public ::testing::Test {
 
 TEST_F(StreamFeedTest, ASessionIsOneStreamThatLivesWhileItIsOpen) {
   feed.serverIsThere(true);
-  EXPECT_FALSE(feed.alive());
+  EXPECT_FALSE(feed.alive({}));
   feed.see(sessionState(3, "hand", {"a"}));
   const std::uint64_t stream = see(feed, solution(3, 1, {0.1}));
-  EXPECT_EQ(feed.alive(), stream);
+  EXPECT_EQ(feed.alive({}), stream);
   EXPECT_EQ(see(feed, solution(3, 2, {0.2})), stream);
   feed.see(sessionState(3, "hand", {"a"}, v1::PHASE_CLOSED));
-  EXPECT_FALSE(feed.alive());
+  EXPECT_FALSE(feed.alive({}));
 }
 
 TEST_F(StreamFeedTest, ASimulatedHandCompletesTheLastPoseOfAClosedSession) {
@@ -38,7 +38,27 @@ TEST_F(StreamFeedTest, ASimulatedHandCompletesTheLastPoseOfAClosedSession) {
   simulated.see(sessionState(3, "hand", {"a"}));
   const std::uint64_t stream = see(simulated, solution(3, 1, {0.1}));
   simulated.see(sessionState(3, "hand", {"a"}, v1::PHASE_CLOSED));
-  EXPECT_EQ(simulated.alive(), stream);
+  EXPECT_EQ(simulated.alive({}), stream);
+}
+
+TEST_F(StreamFeedTest, ADemonstratorsStreamLivesWhileFramesAreAnswered) {
+  using std::chrono::milliseconds;
+  feed.serverIsThere(true);
+  feed.see(sessionState(3, "hand", {"a"}));
+  v1::PoseSolution live = solution(3, 1, {0.1});
+  live.time_s({0.5});
+  feed.see(live);
+  const StreamFeed::Time begin{};
+  const std::uint64_t stream = feed.take(live.stamp_ns(), begin)->stream;
+  EXPECT_EQ(feed.alive(begin + milliseconds(400)), stream);
+  EXPECT_FALSE(feed.alive(begin + milliseconds(600)));
+  EXPECT_TRUE(feed.isLeft(begin + milliseconds(600)));
+  live.sequence_number(2);
+  feed.see(live);
+  EXPECT_EQ(feed.take(live.stamp_ns(), begin + milliseconds(700))->stream, stream);
+  EXPECT_EQ(feed.alive(begin + milliseconds(800)), stream);
+  EXPECT_EQ(see(feed, solution(3, 3, {0.2})), stream);
+  EXPECT_EQ(feed.alive(begin + milliseconds(90'000)), stream) << "an edit's pose stands";
 }
 
 TEST_F(StreamFeedTest, AnotherSessionIsAnotherStream) {
@@ -68,9 +88,9 @@ TEST_F(StreamFeedTest, AServerThatStartsAnewIsAnotherStream) {
   feed.see(sessionState(3, "hand", {"a"}));
   const std::uint64_t first = see(feed, solution(3, 7, {0.1}));
   feed.serverIsThere(false);
-  EXPECT_FALSE(feed.alive());
+  EXPECT_FALSE(feed.alive({}));
   feed.serverIsThere(true);
-  EXPECT_FALSE(feed.alive()) << "nothing was said since it is back";
+  EXPECT_FALSE(feed.alive({})) << "nothing was said since it is back";
   feed.see(sessionState(3, "hand", {"a"}));
   EXPECT_NE(see(feed, solution(3, 8, {0.2})), first);
 }
@@ -93,23 +113,23 @@ TEST_F(StreamFeedTest, ADiagnosedPoseIsTheSameStreamAndARepeat) {
   v1::PoseSolution pose = solution(3, 7, {0.25});
   pose.is_diagnosed(false);
   feed.see(pose);
-  const auto first = feed.take();
+  const auto first = feed.take({}, {});
   ASSERT_TRUE(first);
   EXPECT_FALSE(first->is_repeat);
   v1::PoseSolution diagnosed = solution(3, 8, {0.25});
   diagnosed.is_diagnosed(true);
   feed.see(diagnosed);
-  const auto second = feed.take();
+  const auto second = feed.take({}, {});
   ASSERT_TRUE(second);
   EXPECT_TRUE(second->is_repeat);
   EXPECT_EQ(second->stream, first->stream);
-  EXPECT_EQ(feed.alive(), first->stream);
+  EXPECT_EQ(feed.alive({}), first->stream);
   feed.see(solution(3, 9, {0.5}));
-  EXPECT_FALSE(feed.take()->is_repeat) << "an edit's pose is news";
+  EXPECT_FALSE(feed.take({}, {})->is_repeat) << "an edit's pose is news";
   feed.see(solution(4, 1, {0.5}));
   feed.see(sessionState(4, "hand", {"a"}));
   feed.see(sessionState(3, "hand", {"a"}, v1::PHASE_CLOSED));
-  EXPECT_FALSE(feed.take()->is_repeat) << "and so is another session's, be it the same";
+  EXPECT_FALSE(feed.take({}, {})->is_repeat) << "and so is another session's, be it the same";
 }
 
 TEST_F(StreamFeedTest, SessionsOfAnotherHandArePassedOver) {
@@ -119,7 +139,7 @@ TEST_F(StreamFeedTest, SessionsOfAnotherHandArePassedOver) {
   const std::uint64_t stream = see(feed, solution(3, 1, {0.1}));
   EXPECT_FALSE(feed.see(sessionState(4, "leap_left", {"a"})));
   EXPECT_EQ(see(feed, solution(4, 1, {0.5})), 0);
-  EXPECT_EQ(feed.alive(), stream) << "and do not take the hand away";
+  EXPECT_EQ(feed.alive({}), stream) << "and do not take the hand away";
 }
 
 TEST_F(StreamFeedTest, TheFollowedSessionsOwnHandSwappedEndsTheStream) {
@@ -134,18 +154,18 @@ TEST_F(StreamFeedTest, TheFollowedSessionsOwnHandSwappedEndsTheStream) {
   ASSERT_NE(stream, 0);
   EXPECT_EQ(see(feed, at(solution(3, 2, {0.9}), 5)), 0) << "whose it is was not said yet";
   EXPECT_FALSE(feed.see(at(sessionState(3, "leap_left", {"a"}), 5)));
-  EXPECT_FALSE(feed.take());
-  EXPECT_FALSE(feed.alive());
+  EXPECT_FALSE(feed.take({}, {}));
+  EXPECT_FALSE(feed.alive({}));
   EXPECT_EQ(see(feed, at(solution(3, 3, {0.8}), 5)), 0);
 
   EXPECT_TRUE(feed.see(at(sessionState(3, "leap", {"a"}), 6)));
-  EXPECT_FALSE(feed.take()) << "the newest pose is the other hand's";
+  EXPECT_FALSE(feed.take({}, {})) << "the newest pose is the other hand's";
   EXPECT_EQ(see(feed, at(solution(3, 4, {0.7}), 5)), 0) << "and so is one that was late";
-  EXPECT_FALSE(feed.alive());
+  EXPECT_FALSE(feed.alive({}));
   const std::uint64_t returned = see(feed, at(solution(3, 5, {0.1}), 6));
   EXPECT_NE(returned, 0);
   EXPECT_NE(returned, stream) << "it takes an ARM";
-  EXPECT_EQ(feed.alive(), returned);
+  EXPECT_EQ(feed.alive({}), returned);
   EXPECT_EQ(see(feed, at(solution(3, 6, {0.2}), 6)), returned);
 }
 

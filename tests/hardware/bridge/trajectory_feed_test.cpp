@@ -85,9 +85,10 @@ TEST(TrajectoryFeed, HearsOpenSessionsThatSomebodyWritesFor) {
   const auto take_until = [&](const auto& is_done) {
     for (int i = 0; i < 600 && !is_done(); ++i) {
       bell->wait(std::chrono::milliseconds(10));
-      feed.take([&](std::uint64_t session, const TrajectoryFeed::Message&) {
-        heard.push_back(session);
-      });
+      feed.take(std::chrono::steady_clock::now(),
+                [&](std::uint64_t session, const TrajectoryFeed::Message&) {
+                  heard.push_back(session);
+                });
     }
   };
   take_until([&] {
@@ -104,6 +105,55 @@ TEST(TrajectoryFeed, HearsOpenSessionsThatSomebodyWritesFor) {
   for (int i = 0; i < 600 && writer.readers() != 0; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_EQ(writer.readers(), 0);
+}
+
+TEST(TrajectoryFeed, FollowsTheFirstOfTwoThatPlayASession) {
+  const handgraft::test::TestDomain domain;
+  const idl::cyclone::Participant participant({domain.number(), "lo"});
+  const auto bell = std::make_shared<WakeEvent>();
+  TrajectoryFeed feed(participant, bell);
+  feed.see(test::sessionState(7, "hand", finger_joints));
+  const std::string name = idl::sampleTopicName(7);
+  idl::Topic<TrajectoryFeed::Message> topic = idl::kRosSamplesTopic;
+  topic.name = name.c_str();
+  idl::cyclone::Writer<TrajectoryFeed::Message> first(participant, topic);
+  idl::cyclone::Writer<TrajectoryFeed::Message> second(participant, topic);
+  std::chrono::steady_clock::time_point now{};
+  std::vector<double> heard;
+  const auto take_until = [&](const auto& is_done) {
+    for (int i = 0; i < 600 && !is_done(); ++i) {
+      bell->wait(std::chrono::milliseconds(10));
+      feed.take(now, [&](std::uint64_t, const TrajectoryFeed::Message& message) {
+        heard.push_back(message.points().front().positions().front());
+      });
+    }
+  };
+  take_until([&] {
+    return first.readers() != 0 && second.readers() != 0;
+  });
+  first.write(trajectory(finger_joints, {{1, 0}}, 3));
+  take_until([&] {
+    return !heard.empty();
+  });
+  EXPECT_FALSE(feed.takeOther());
+  second.write(trajectory(finger_joints, {{2, 0}}, 3));
+  std::optional<std::uint64_t> told;
+  take_until([&] {
+    return (told = feed.takeOther()).has_value();
+  });
+  EXPECT_EQ(told, 7u);
+  EXPECT_FALSE(feed.takeOther()) << "once";
+  first.write(trajectory(finger_joints, {{3, 0}}, 4));
+  take_until([&] {
+    return heard.size() > 1;
+  });
+  EXPECT_THAT(heard, ElementsAre(1, 3));
+  now += std::chrono::milliseconds(300);  // the first has stopped
+  second.write(trajectory(finger_joints, {{4, 0}}, 4));
+  take_until([&] {
+    return heard.size() > 2;
+  });
+  EXPECT_THAT(heard, ElementsAre(1, 3, 4));
 }
 
 }  // namespace
