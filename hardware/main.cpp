@@ -303,10 +303,12 @@ int bringUp(const BringUp& told) {
       const std::string text = bringup::makeConfig(told.urdf, told.plan);
       for (const config::DeviceTraits& traits : config::deviceKinds()) {
         if (traits.name != told.plan.kind || traits.has_watchdog) continue;
-        fmt::print(stderr,
-                   "{} has no watchdog: should the bridge die, it goes on with what it was "
-                   "told last. `no_watchdog: accepted` says that you know.\n",
-                   told.plan.kind);
+        fmt::print(
+            stderr,
+            "{} has no watchdog: should the bridge die, its motors go on turning as they "
+            "were told last. Write `no_watchdog: accepted` into the config if you "
+            "accept that; until then it is refused.\n",
+            told.plan.kind);
       }
       if (told.out.empty()) {
         fmt::print("{}", text);

@@ -226,8 +226,8 @@ std::string deviceText(const ConfigPlan& plan, int rate) {
   }
   if (!traits.has_watchdog) {
     text +=
-        "  no_watchdog: accepted    # it has none: should the bridge die, it goes on with what "
-        "it was told last\n";
+        "  no_watchdog: FILL IN     # `accepted`, if you accept that it has none: should the "
+        "bridge die, its motors go on turning\n";
   }
   return text;
 }

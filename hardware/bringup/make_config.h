@@ -20,8 +20,8 @@ struct ConfigPlan {
 /// A config to fill in for the hand of a URDF: a motor for each joint that moves by itself,
 /// mimic joints as its followers, limits as the model has them, and cautious numbers, each
 /// marked, where only the hand itself knows. It reads as it is, so that `jog` and `check` work
-/// on it; its loop is as fast as the wire permits, 50 Hz at most, or what a position loop of
-/// ours needs.
+/// on it, unless its device has no watchdog: that its owner has to accept, nobody else can. Its
+/// loop is as fast as the wire permits, 50 Hz at most, or what a position loop of ours needs.
 /// Errors: InvalidInput for a kind that there is not, a file that is no URDF, has no joint that
 /// moves, more than the wire at its rate can carry, or another number than such a hand has.
 std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan);

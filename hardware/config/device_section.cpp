@@ -58,9 +58,14 @@ DeviceConfig readDevice(Section section) {
     device.watchdog =
         section.duration("watchdog_ms", 20, 2540,
                          is_ability_hand ? std::chrono::milliseconds(300) : device.watchdog);
-  } else {
+  } else if (section.text("no_watchdog", "") != "accepted" && !section.isWrong("no_watchdog")) {
     // Nobody is to find that out when it matters.
-    static_cast<void>(section.choice<bool>("no_watchdog", {{"accepted", true}}));
+    section.object(
+        "no_watchdog",
+        fmt::format("a device of kind {} has no watchdog: should the bridge die, its "
+                    "motors go on turning as they were told last, until somebody cuts "
+                    "their power. Write `no_watchdog: accepted` if you accept that",
+                    traits.name));
   }
   section.finish();
   return device;

@@ -15,6 +15,7 @@
 #include "hardware/bringup/scan.h"
 #include "hardware/config/hand_config_file.h"
 
+#include "tests/hardware/bringup/accepted_config.h"
 #include "tests/hardware/emulators/hand_rig.h"
 #include "tests/support/shared_data.h"
 
@@ -63,7 +64,7 @@ class BringUpOf : public testing::TestWithParam<DeviceTraits> {
   config::HandConfig made() const {
     ConfigPlan plan;
     plan.kind = GetParam().name;
-    return config::parseHandConfig(makeConfig(urdf, plan));
+    return config::parseHandConfig(test::acceptedConfig(makeConfig(urdf, plan)));
   }
 
   std::filesystem::path urdf;

@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "hardware/config/hand_config_file.h"
 
+#include "tests/hardware/bringup/accepted_config.h"
 #include "tests/support/shared_data.h"
 
 namespace handgraft::bringup {
@@ -35,7 +36,7 @@ std::filesystem::path urdfOf(std::size_t joints) {
 }
 
 config::HandConfig made(std::size_t joints, const ConfigPlan& plan) {
-  return config::parseHandConfig(makeConfig(urdfOf(joints), plan));
+  return config::parseHandConfig(test::acceptedConfig(makeConfig(urdfOf(joints), plan)));
 }
 
 ConfigPlan ofKind(const std::string& kind) {
@@ -57,6 +58,25 @@ TEST(MakeConfig, OfEachKindReadsAsItIs) {
                         : traits.kind == config::DeviceKind::kDynamixel ? 21
                                                                         : 50;
     EXPECT_NEAR(1 / config.governor.period_s, rate, 1e-9) << traits.name;
+  }
+}
+
+TEST(MakeConfig, LeavesItToTheOwnerToAcceptThatNothingStopsTheMotors) {
+  for (const config::DeviceTraits& traits : config::deviceKinds()) {
+    if (traits.has_watchdog) continue;
+    const auto joints = static_cast<std::size_t>(traits.own_motors);
+    const std::string text = makeConfig(urdfOf(joints), ofKind(traits.name));
+    EXPECT_NE(text.find("no_watchdog: FILL IN"), std::string::npos) << text;
+    try {
+      config::parseHandConfig(text);
+      ADD_FAILURE() << traits.name;
+    } catch (const InvalidInput& error) {
+      const std::string told = error.what();
+      EXPECT_NE(told.find("device.no_watchdog: "), std::string::npos) << told;
+      EXPECT_NE(told.find("its motors go on turning"), std::string::npos) << told;
+      EXPECT_NE(told.find("`no_watchdog: accepted`"), std::string::npos) << told;
+    }
+    EXPECT_NO_THROW(config::parseHandConfig(test::acceptedConfig(text))) << traits.name;
   }
 }
 
@@ -128,8 +148,8 @@ TEST(MakeConfig, OfAHandThatWeHave) {
   ConfigPlan plan;
   plan.kind = "allegro";
   const auto hands = test::sourceDirectory() / "server" / "models" / "hands";
-  const config::HandConfig config =
-      config::parseHandConfig(makeConfig(hands / "allegro16" / "allegro16.urdf", plan));
+  const config::HandConfig config = config::parseHandConfig(
+      test::acceptedConfig(makeConfig(hands / "allegro16" / "allegro16.urdf", plan)));
   EXPECT_EQ(config.motors.size(), 16u);
   plan.kind = "dynamixel";
   plan.baud = 1'000'000;
