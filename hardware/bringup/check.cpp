@@ -86,9 +86,17 @@ class Walk {
     return {config_, config_.motors[i].name, make_device_, clock_, sleep_until_};
   }
 
-  // The encoder's angle, the motor off, once the joint was put somewhere by hand.
+  // The encoder's angle, the motor off, once the joint was put somewhere by hand. While a hand
+  // is in there the device is open: its motors are off, and its port is nobody else's.
   double placed(std::size_t i, const std::string& where) {
-    ask(fmt::format("Put {} by hand {}, then press Enter", nameOf(i), where));
+    {
+      const bridge::DeviceStack ours = tried([this] {
+        bridge::DeviceStack stack = make_device_(config_);
+        stack.device->open();
+        return stack;
+      });
+      ask(fmt::format("Put {} by hand {}, then press Enter", nameOf(i), where));
+    }
     return tried([&] {
       return jogger(i).look().encoder_rad;
     });

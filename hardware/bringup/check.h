@@ -45,8 +45,10 @@ struct Findings {
 /// found. A hand that knows its zeros is not moved by hand: each motor turns, and that is all.
 ///
 /// Nothing turns but a jog of 0.1 rad that is held for, and motors that hold where they stand.
-/// What fails at the device is told, and tried again if the person agrees. A person who
-/// leaves or does not agree ends the walk (`trouble`), with what was found until then.
+/// Nobody is asked to put a hand in before the device is open: its motors are off then, and
+/// while the hand is in nobody else can open its port. What fails at the device is told, and
+/// tried again if the person agrees. A person who leaves or does not agree ends the walk
+/// (`trouble`), with what was found until then.
 Findings check(config::HandConfig& config,
                const bridge::MakeDevice& make_device,
                const devices::Clock& clock,

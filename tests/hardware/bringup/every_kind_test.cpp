@@ -112,6 +112,30 @@ class Bench {
   devices::Clock clock_;
 };
 
+/// Stands for the port that a device has to itself: it goes with its stack.
+class CountedPort : public devices::ByteChannel {
+ public:
+  explicit CountedPort(int& count) : count_(count) { ++count_; }
+
+  ~CountedPort() override { --count_; }
+
+  void open() override {}
+
+  void close() override {}
+
+  void send(protocols::Bytes /*bytes*/) override {}
+
+  std::size_t receive(std::span<std::uint8_t> /*into*/,
+                      devices::TimePoint /*deadline*/) override {
+    return 0;
+  }
+
+  void discard() override {}
+
+ private:
+  int& count_;
+};
+
 TEST_P(BringUpOf, TheConfigThatIsMadeReadsAndSaysWhatTheDeviceIs) {
   const config::HandConfig config = made();
   EXPECT_EQ(config.device.kind, GetParam().kind);
@@ -242,6 +266,46 @@ TEST_P(BringUpOf, TheWalkEndsWhereNobodyHoldsAnyMore) {
   EXPECT_EQ(findings.trouble, "it was ended early");
   EXPECT_FALSE(findings.isFine());
   EXPECT_EQ(asked, 3) << "let go, and once more";
+}
+
+TEST_P(BringUpOf, TheWalkAsksForNoHandAtADeviceThatIsInUse) {
+  Bench bench(made());
+  GoodOperator good(bench, 0.0);
+  const bridge::MakeDevice in_use =
+      [](const config::HandConfig& /*asked*/) -> bridge::DeviceStack {
+    throw TransportError("/dev/ttyUSB0 is in use by another process");
+  };
+  config::HandConfig found = bench.config;
+  const Findings findings = check(found, in_use, bench.clock(), bench.sleeper(), good.person());
+  EXPECT_EQ(findings.trouble, "/dev/ttyUSB0 is in use by another process");
+  EXPECT_EQ(good.asked, "");
+}
+
+TEST_P(BringUpOf, TheWalksDeviceIsOpenAndOffWhileAHandIsIn) {
+  if (GetParam().has_zeros) GTEST_SKIP() << "it is not moved by hand";
+  Bench bench(made());
+  GoodOperator good(bench, 0.0);
+  Operator person = good.person();
+  int open = 0;
+  const bridge::MakeDevice counted = [&](const config::HandConfig& asked) {
+    bridge::DeviceStack stack = bench.maker()(asked);
+    stack.bytes = std::make_unique<CountedPort>(open);
+    return stack;
+  };
+  int hands = 0;
+  person.ask = [&, ask = person.ask](const std::string& question) {
+    if (question.find("by hand") != std::string::npos) {
+      ++hands;
+      EXPECT_EQ(open, 1) << question;
+      EXPECT_FALSE(bench.rig().isPowered()) << question;
+    }
+    return ask(question);
+  };
+  config::HandConfig found = bench.config;
+  const Findings findings = check(found, counted, bench.clock(), bench.sleeper(), person);
+  EXPECT_TRUE(findings.isFine()) << findings.trouble;
+  EXPECT_EQ(hands, 3 * count());
+  EXPECT_EQ(open, 0);
 }
 
 TEST_P(BringUpOf, TheWalkFindsZerosAndDirectionsAndEndsWell) {
