@@ -21,14 +21,8 @@ namespace {
 
 constexpr std::size_t kShort = 8;  // digits of a hash in a name
 
-constexpr std::size_t kLongestName = 64;
 constexpr std::uintmax_t kLargestFile = 512ULL << 20U;  // a mesh of 10 million triangles
 constexpr std::string_view kPackageScheme = "package://";
-
-bool isNameCharacter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-         c == '_' || c == '-' || c == '.';
-}
 
 void requireReadable(const fs::path& path) {
   std::error_code error;
@@ -156,24 +150,15 @@ bool isPath(const std::string& text) {
 }
 
 void checkModelName(const std::string& name, const std::string& option) {
-  const bool allowed = !name.empty() && name.size() <= kLongestName && name[0] != '.' &&
-                       name[0] != '-' && std::all_of(name.begin(), name.end(), isNameCharacter);
+  const bool allowed = !name.empty() && name.size() <= kLongestModelName && name[0] != '.' &&
+                       name[0] != '-' &&
+                       std::all_of(name.begin(), name.end(), isModelNameCharacter);
   if (!allowed) {
     rejectInput(
         "{} {}: a name has 1-{} letters, digits, '_', '-' or '.', and begins with none of "
         "the last two",
-        option, quoted(name), kLongestName);
+        option, quoted(name), kLongestModelName);
   }
-}
-
-std::string nameFromPath(const fs::path& path) {
-  std::string name = path.stem().string().substr(0, kLongestName);
-  for (char& c : name) {
-    if (!isNameCharacter(c)) c = '_';
-  }
-  if (name.empty()) name = "model";
-  if (name[0] == '.' || name[0] == '-') name[0] = '_';
-  return name;
 }
 
 ModelFiles handFiles(const fs::path& urdf,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/model_name.h"
 #include "core/base/resource_uri.h"
 #include "idl/models.h"
 
@@ -60,9 +61,6 @@ bool isPath(const std::string& text);
 /// What the server may call a model: 1-64 letters, digits, `_`, `-` and `.`, not starting with
 /// `.` or `-`. Throws InvalidInput; `option` names where the text came from.
 void checkModelName(const std::string& name, const std::string& option);
-
-/// The file's name without its extension; characters that a model name may not have become `_`.
-std::string nameFromPath(const std::filesystem::path& path);
 
 /// The URDF, all meshes that it names, and beside it an SRDF and sites of its name
 /// (`NAME.sites.yaml`), or a `sites.yaml` for the folder.

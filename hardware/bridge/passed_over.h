@@ -17,8 +17,10 @@ class PassedOver {
   static std::string ofAnotherHand(std::uint64_t session,
                                    const std::string& its_hand,
                                    const std::string& ours) {
-    return fmt::format("session {} is of hand {}, this one is {}: passed over", session,
-                       quoted(its_hand), quoted(ours));
+    return fmt::format(
+        "session {} is of hand {}, this one is {}: passed over; if it is the same hand, its "
+        "config and its calibration have to say hand: {}",
+        session, quoted(its_hand), quoted(ours), quoted(its_hand));
   }
 
   /// A server took it out of its store.

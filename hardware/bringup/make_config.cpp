@@ -9,6 +9,7 @@
 #include <tinyxml2.h>
 
 #include "core/base/error.h"
+#include "core/base/model_name.h"
 #include "hardware/config/wire_load.h"
 
 namespace handgraft::bringup {
@@ -288,8 +289,10 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
                                  "them in\n# the calibration file.\n";
   std::string text = fmt::format(
       "# Of {}, to be filled in: FILL IN marks what only the hand itself knows.\n{}"
-      "format: handgraft-hardware/1\nhand: {}          # as the server calls it\n\n{}\n",
-      urdf.filename().string(), next_steps, inQuotes(attribute(*robot, "name")),
+      "format: handgraft-hardware/1\nhand: {}          # as the server calls it: the file's "
+      "name, unless "
+      "it was loaded with --name\n\n{}\n",
+      urdf.filename().string(), next_steps, inQuotes(nameFromPath(urdf)),
       deviceText(plan, rate));
   if (!is_simulated) {
     text += fmt::format("calibration: {}  # `check` writes it\n",

@@ -330,7 +330,8 @@ TEST_F(BridgeOnADevice, AnotherHandInTheFollowedSessionEndsItsStream) {
   EXPECT_EQ(refused->refusal(), v1::REFUSAL_NO_FRESH_POSE);
   EXPECT_EQ(refused->last_refusal(),
             "ARM refused: no fresh pose: session 11 is of hand 'three_left', this one is "
-            "'three': passed over");
+            "'three': passed over; if it is the same hand, its config and its calibration have "
+            "to say hand: 'three_left'");
   server->take("three_left");  // published anew, as by an edit there
   server->take("three");
   server->stream({0.1, 0.1, 0.1});

@@ -182,6 +182,15 @@ TEST(MakeConfig, OfASimulatedHandAsksForNoCalibration) {
   EXPECT_FALSE(made(2, ofKind("dynamixel")).calibration.empty());
 }
 
+TEST(MakeConfig, NamesTheHandAsAServerDoesThatReadsTheFile) {
+  const auto path = test::scratchDirectory() / "allegro hand_right.urdf";
+  std::filesystem::copy_file(urdfOf(2), path,
+                             std::filesystem::copy_options::overwrite_existing);
+  const config::HandConfig config =
+      config::parseHandConfig(makeConfig(path, ofKind("simulated")));
+  EXPECT_EQ(config.hand, "allegro_hand_right") << "its <robot> is called 'made'";
+}
+
 TEST(MakeConfig, SaysWhichKindsThereAre) {
   ConfigPlan plan;
   plan.kind = "servo";
