@@ -36,6 +36,52 @@ safety::JointLimits limitsOf(const v1::JointInfo& joint, const MotionBounds& bou
   return limits;
 }
 
+/// How a joint of the model follows the one that leads it, through all that lie between.
+tendon::MimicJoint leadOf(const v1::MimicInfo& mimic,
+                          const v1::HandDescription& description,
+                          std::string& leader) {
+  tendon::MimicJoint lead;
+  lead.ratio = mimic.multiplier();
+  lead.offset = mimic.offset();
+  leader = mimic.source();
+  // More steps than there are mimics would be a loop, which no server reads.
+  for (std::size_t step = 0; step < description.mimics().size(); ++step) {
+    const auto& mimics = description.mimics();
+    const auto next = std::find_if(mimics.begin(), mimics.end(), [&](const v1::MimicInfo& m) {
+      return m.joint() == leader;
+    });
+    if (next == mimics.end()) break;
+    lead.offset += lead.ratio * next->offset();
+    lead.ratio *= next->multiplier();
+    leader = next->source();
+  }
+  return lead;
+}
+
+/// How a follower of the config differs from its joint in the model; empty: it does not, or the
+/// model knows of none.
+std::string differenceOf(const tendon::MimicJoint& follower,
+                         const v1::HandDescription& description,
+                         const std::vector<std::string>& names) {
+  constexpr double kSame = 1e-3;  // files round
+  const auto& mimics = description.mimics();
+  const auto found = std::find_if(mimics.begin(), mimics.end(), [&](const v1::MimicInfo& m) {
+    return m.joint() == names[follower.joint];
+  });
+  if (found == mimics.end()) return "";
+  std::string leader;
+  const tendon::MimicJoint lead = leadOf(*found, description, leader);
+  const bool is_same = leader == names[follower.leader] &&
+                       std::abs(lead.ratio - follower.ratio) <= kSame &&
+                       std::abs(lead.offset - follower.offset) <= kSame;
+  if (is_same) return "";
+  return fmt::format(
+      "joint {} follows {} with ratio {:.4g} and offset {:.4g} rad, in its model {} with ratio "
+      "{:.4g} and offset {:.4g} rad",
+      quoted(names[follower.joint]), quoted(names[follower.leader]), follower.ratio,
+      follower.offset, handgraft::quoted(leader), lead.ratio, lead.offset);
+}
+
 }  // namespace
 
 HandPlan planHand(const v1::HandDescription& description, const MotionBounds& bounds) {
@@ -114,6 +160,10 @@ std::string differencesOf(const v1::HandDescription& description,
     }
   }
   const auto& followers = config.transmission.followers;
+  for (const tendon::MimicJoint& follower : followers) {
+    const std::string difference = differenceOf(follower, description, names);
+    if (!difference.empty()) add(difference);
+  }
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string& name = names[i];
     // A server knows it by its leader.

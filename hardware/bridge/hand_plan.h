@@ -40,7 +40,8 @@ HandPlan planHand(const v1::HandDescription& description, const MotionBounds& bo
 config::HandConfig simulatedConfig(const HandPlan& plan, double period_s);
 
 /// How `config` differs from the hand's own model, for people; empty if it does not: joints
-/// that only one of them has, and limits that permit what the model's do not. What the config
+/// that only one of them has, limits that permit what the model's do not, and followers that
+/// follow another way. What the config
 /// forbids beyond that is its own affair.
 std::string differencesOf(const v1::HandDescription& description,
                           const config::HandConfig& config);

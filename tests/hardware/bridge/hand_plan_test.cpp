@@ -86,5 +86,33 @@ TEST(HandPlan, DifferencesOfConfigAndModelAreTold) {
               HasSubstr("the config's joint 'c' is not in the model"));
 }
 
+TEST(HandPlan, AFollowerThatFollowsOtherwiseThanInTheModelIsTold) {
+  v1::HandDescription model = handOf("h", {joint("a", 0, 1.5)});
+  const auto mimic = [](const char* of, const char* source, double multiplier, double offset) {
+    v1::MimicInfo info;
+    info.joint(of);
+    info.source(source);
+    info.multiplier(multiplier);
+    info.offset(offset);
+    return info;
+  };
+  model.mimics({mimic("b", "a", 1.0, 0.0), mimic("c", "b", 0.5, 0.2)});
+  config::HandConfig config;
+  config.governor.names = {"a", "b", "c"};
+  config.governor.limits.resize(3, {.lower = 0, .upper = 1.5});
+  config.transmission.followers = {{1, 0, 1.0, 0.0}, {2, 0, 0.5, 0.2}};
+  EXPECT_EQ(differencesOf(model, config), "") << "a chain is followed to its leader";
+  config.transmission.followers[0].ratio = 57.3;
+  EXPECT_EQ(
+      differencesOf(model, config),
+      "config and model differ: joint 'b' follows 'a' with ratio 57.3 and offset 0 rad, in "
+      "its model 'a' with ratio 1 and offset 0 rad");
+  config.transmission.followers = {{1, 0, 1.0, 0.0}, {2, 0, 0.5, 0.0}};
+  EXPECT_THAT(
+      differencesOf(model, config),
+      HasSubstr("joint 'c' follows 'a' with ratio 0.5 and offset 0 rad, in its model 'a' "
+                "with ratio 0.5 and offset 0.2 rad"));
+}
+
 }  // namespace
 }  // namespace handgraft::bridge
