@@ -52,6 +52,7 @@ Motion::Motion(config::HandConfig config,
       state_(config_.jointCount(), config_.motors.size(), stack_.device->touch().size()) {
   state_.is_homed = zeros_.areKnown();
   state_.zeros = zeros_.why();
+  state_.needs_homing = !config_.homing.empty();
   for (const std::string& joint : config::motorJoints(config_)) {
     const auto& names = config_.governor.names;
     const auto found = std::find(names.begin(), names.end(), joint);
@@ -168,15 +169,18 @@ void Motion::request(Request request) {
       if (homing_) {
         refuse(v1::REFUSAL_IS_HOMING, "ARM", "it is being homed");
       } else if (!zeros_.areKnown()) {
-        refuse(v1::REFUSAL_NOT_HOMED, "ARM", "HOME first: zeros are not known",
-               zeros_.why().view());
+        refuse(
+            v1::REFUSAL_NOT_HOMED, "ARM",
+            config_.homing.empty() ? "zeros are not known" : "HOME first: zeros are not known",
+            zeros_.why().view());
       } else if (const Refusal refusal = governor_.arm(clock_()); refusal != Refusal::kNone) {
         const bool is_pose_wanted = refusal == Refusal::kNoFreshStream;
-        const bool is_outside = refusal == Refusal::kMotorsOutside;
+        const FixedText outside = refusal == Refusal::kMotorsOutside ? motors_.outside()
+                                  : refusal == Refusal::kOutOfRange
+                                      ? outsideText(config_.governor, state_.position)
+                                      : FixedText();
         refuse(codeOf(refusal), "ARM", toString(refusal),
-               is_pose_wanted ? pose_refusal_.view()
-               : is_outside   ? motors_.outside().view()
-                              : std::string_view());
+               is_pose_wanted ? pose_refusal_.view() : outside.view());
       } else {
         state_.trouble.set("");
         accept();
@@ -302,6 +306,12 @@ void Motion::noteFault() {
   if (governor_.fault() == FaultCause::kMotorsOutside) {
     state_.fault_text.set(
         fmt::format("{}: {}", toString(FaultCause::kMotorsOutside), motors_.outside().view()));
+  } else if (governor_.fault() == FaultCause::kOutOfRange) {
+    state_.fault_text.set(fmt::format("{}: {}", toString(FaultCause::kOutOfRange),
+                                      outsideText(config_.governor, state_.position).view()));
+  } else if (governor_.fault() == FaultCause::kDeviceLost ||
+             governor_.fault() == FaultCause::kDeviceSilent) {
+    state_.fault_text.set(lostText(governor_.fault(), config_.device));
   } else if (governor_.fault() == FaultCause::kDevice) {
     state_.fault_text.set(faultText(*stack_.device, config_, joint_of_motor_));
   }

@@ -57,7 +57,8 @@ std::string describe(const MotionState& state) {
       if (state.is_homing) return "homing";
       if (!state.trouble.view().empty()) return std::string(state.trouble.view());
       if (state.is_homed) return "motors off";
-      return fmt::format("motors off; HOME first: zeros are not known{}{}",
+      return fmt::format("motors off; {}zeros are not known{}{}",
+                         state.needs_homing ? "HOME first: " : "",
                          state.zeros.view().empty() ? "" : ": ", state.zeros.view());
     case GovernorState::kArmed:
       if (state.is_slow) return "armed, slowly to a far pose";

@@ -65,6 +65,7 @@ struct MotionState {
   bool is_connected = false;
   bool is_powered = false;
   bool is_homed = false;
+  bool needs_homing = false;  ///< HOME finds its zeros; else `bridge check` does
   bool is_homing = false;
   double temperature_c = -1;  ///< the hottest motor; -1: not told
   devices::DeviceCounters counters;

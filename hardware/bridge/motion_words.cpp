@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "hardware/bridge/device_factory.h"
 
 namespace handgraft::bridge {
 
@@ -73,6 +74,40 @@ Clamping clampingOf(const std::vector<std::string>& names,
   return told;
 }
 
+std::string lostText(safety::FaultCause cause, const config::DeviceConfig& device) {
+  std::string text = fmt::format("{}: {}; whether its motors are off is not known",
+                                 toString(cause), nameOf(device));
+  // One that is heard of no more hears of us no more either; one that is silent still may.
+  if (cause != safety::FaultCause::kDeviceLost) return text + ": cut their power";
+  if (!config::traitsOf(device.kind).has_watchdog)
+    return text + ": it has no watchdog, cut their power";
+  return text +
+         fmt::format(
+             ": its own watchdog stops them {} ms after the last command; if they go on, "
+             "cut their power",
+             device.watchdog.count());
+}
+
+FixedText outsideText(const safety::GovernorOptions& options,
+                      std::span<const double> measured_rad) {
+  FixedText told;
+  double worst = options.outside;
+  std::array<char, 200> text{};
+  for (std::size_t i = 0; i < measured_rad.size(); ++i) {
+    const safety::JointLimits& limits = options.limits[i];
+    const double beyond =
+        std::max(limits.lower - measured_rad[i], measured_rad[i] - limits.upper);
+    if (!(beyond > worst)) continue;
+    worst = beyond;
+    const auto end = fmt::format_to_n(
+        text.data(), text.size(), "joint '{}' is at {:.4g} rad, its limits {:.4g} to {:.4g}",
+        std::string_view(options.names[i]).substr(0, 60), measured_rad[i], limits.lower,
+        limits.upper);
+    told.set({text.data(), std::min(end.size, text.size())});
+  }
+  return told;
+}
+
 std::string faultText(const devices::Device& device,
                       const config::HandConfig& config,
                       const std::vector<std::size_t>& joint_of_motor) {
@@ -83,6 +118,8 @@ std::string faultText(const devices::Device& device,
     text += meaning.empty() ? fmt::format(" (code 0x{:X})", fault.code)
                             : fmt::format(": {} (code 0x{:X})", meaning, fault.code);
   }
+  if (fault.kind == devices::Fault::Kind::kSilent)
+    text += "; whether it is off is not known: cut its power";
   if (fault.motor < 0) return text;
   const auto index = static_cast<std::size_t>(fault.motor);
   const config::MotorConfig& motor = config.motors[index];

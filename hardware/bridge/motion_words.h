@@ -23,7 +23,17 @@ Clamping clampingOf(const std::vector<std::string>& names,
                     std::span<const double> asked,
                     std::span<const double> given);
 
-/// A device's fault with its motor, id and joint, and what the device says in words.
+/// A device that is gone, or that told nothing for too long, by its port: nobody knows whether
+/// its motors are off, and what stops them.
+std::string lostText(safety::FaultCause cause, const config::DeviceConfig& device);
+
+/// Which joint is measured farthest beyond its limits, if any is by more than `outside`; else
+/// empty. Allocates nothing.
+FixedText outsideText(const safety::GovernorOptions& options,
+                      std::span<const double> measured_rad);
+
+/// A device's fault with its motor, id and joint, and what the device says in words; of a
+/// motor that does not answer, that nobody knows whether it is off.
 /// `joint_of_motor`: of direct drive, an index for each motor; else empty.
 std::string faultText(const devices::Device& device,
                       const config::HandConfig& config,

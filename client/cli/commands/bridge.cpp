@@ -130,9 +130,8 @@ int run(const BridgeOptions& options, const CommonOptions& common, Interruption&
   if (is_done) return 0;
   for (const v1::BridgeStatus& bridge : bridges) {
     if (isDone(options.action, bridge)) continue;
-    fmt::print(stderr, "handgraft: bridge {} did not do it: {}{}\n", bridge.bridge_id(),
-               bridge.reason(),
-               bridge.last_refusal().empty() ? "" : "; " + bridge.last_refusal());
+    fmt::print(stderr, "handgraft: bridge {} did not do it: {}\n", bridge.bridge_id(),
+               whyNotText(bridge));
   }
   return 1;
 }

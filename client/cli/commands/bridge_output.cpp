@@ -13,6 +13,17 @@ std::string age(double seconds) {
   return seconds < 0 ? "never" : fmt::format("{:.2f} s ago", seconds);
 }
 
+// `powered` is what the device says, and one that is gone says nothing.
+std::string motorsText(const v1::BridgeStatus& bridge) {
+  if (bridge.powered()) return "under power";
+  if (bridge.fault() == v1::FAULT_WIRE || bridge.fault() == v1::FAULT_SILENT)
+    return "not known whether they are off: cut their power";
+  // A bridge without a hand has no motors yet.
+  if (bridge.state() == v1::BRIDGE_DISCONNECTED && !bridge.hand().empty())
+    return "not known whether they are off: there is no device";
+  return "off";
+}
+
 std::string paragraph(const v1::BridgeStatus& bridge) {
   std::string text = fmt::format("bridge {}: {}: {}\n", bridge.bridge_id(),
                                  v1::nameOf(bridge.state()), bridge.reason());
@@ -22,11 +33,11 @@ std::string paragraph(const v1::BridgeStatus& bridge) {
   line("device", bridge.device() + (bridge.config().empty() ? "" : ", " + bridge.config()));
   line("hand", bridge.hand().empty() ? "none yet" : bridge.hand());
   if (bridge.fault() != v1::FAULT_NONE) line("fault", v1::nameOf(bridge.fault()));
-  line("motors", fmt::format("{}, {}{}", bridge.powered() ? "under power" : "off",
-                             bridge.homed() ? "homed" : "not homed",
-                             bridge.temperature_c() < 0
-                                 ? std::string()
-                                 : fmt::format(", {:.0f} degrees C", bridge.temperature_c())));
+  line("motors",
+       fmt::format("{}, {}{}", motorsText(bridge), bridge.homed() ? "homed" : "not homed",
+                   bridge.temperature_c() < 0
+                       ? std::string()
+                       : fmt::format(", {:.0f} degrees C", bridge.temperature_c())));
   line("stream",
        fmt::format("{}, alive {}, last pose {}; {} poses accepted, {} refused",
                    bridge.session_id() == 0 ? std::string("no session")
@@ -57,6 +68,13 @@ std::string statusText(const std::vector<v1::BridgeStatus>& bridges) {
   for (const v1::BridgeStatus& bridge : bridges)
     text += paragraph(bridge);
   return text;
+}
+
+std::string whyNotText(const v1::BridgeStatus& bridge) {
+  if (bridge.last_refusal().empty()) return bridge.reason();
+  // The state says the same of zeros as the refusal does.
+  if (bridge.refusal() == v1::REFUSAL_NOT_HOMED) return bridge.last_refusal();
+  return bridge.reason() + "; " + bridge.last_refusal();
 }
 
 std::string statusJson(const std::vector<v1::BridgeStatus>& bridges) {

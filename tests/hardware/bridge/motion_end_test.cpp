@@ -121,6 +121,30 @@ TEST_P(EveryHandInMotion, UnpluggedAndPluggedInAgainItStaysDisarmed) {
   EXPECT_TRUE(hand.start(0.5)) << told();
 }
 
+TEST_P(EveryHandInMotion, LostItIsToldByItsPortAndThatNobodyKnowsOfItsMotors) {
+  ASSERT_TRUE(hand.start()) << told();
+  hand.rig().wire().unplug();
+  hand.turn();
+  hand.turn();
+  ASSERT_EQ(state(), GovernorState::kFault) << told();
+  const auto tells = [this](const std::string& part) {
+    return told().find(part) != std::string::npos;
+  };
+  EXPECT_TRUE(tells(hand.motion().config().device.port)) << told();
+  EXPECT_TRUE(tells("whether its motors are off is not known")) << told();
+  EXPECT_TRUE(tells("cut their power")) << told();
+  EXPECT_EQ(tells("its own watchdog stops them"), traits().has_watchdog) << told();
+  EXPECT_EQ(tells("it has no watchdog"), !traits().has_watchdog) << told();
+}
+
+TEST_P(EveryHandInMotion, SilentItIsToldThatNobodyKnowsOfItsMotors) {
+  ASSERT_TRUE(hand.start()) << told();
+  hand.rig().emulated().ailments.is_mute = true;
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kFault, 2)) << told();
+  EXPECT_NE(told().find("is not known: cut "), std::string::npos) << told();
+  EXPECT_EQ(told().find("watchdog"), std::string::npos) << "it may hear us still: " << told();
+}
+
 TEST_P(EveryHandInMotion, PluggedInLateItIsFoundAndStaysOff) {
   hand.rig().wire().unplug();
   hand.turnFor(3);

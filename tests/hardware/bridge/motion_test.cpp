@@ -5,6 +5,10 @@
 
 #include <random>
 
+#include <fmt/format.h>
+
+#include "hardware/bridge/motion_words.h"
+
 #include "tests/hardware/bridge/every_hand_in_motion.h"
 
 namespace handgraft::bridge {
@@ -77,6 +81,48 @@ TEST_P(EveryHandInMotion, SaysWhichJointKeepsItFromBeingArmed) {
   hand.motion().request(Request::kArm);
   hand.turn();
   EXPECT_EQ(state(), GovernorState::kArmed) << told();
+}
+
+TEST(Motion, SaysWhichJointStandsFarOutsideItsLimits) {
+  HandInMotion hand(exampleReady("leap"));
+  const config::HandConfig& config = hand.motion().config();
+  const safety::JointLimits& limits = config.governor.limits[0];
+  hand.rig().put(0, config.motors[0].range_rad.upper + config.governor.outside + 0.3);
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+  hand.offer(0.4);
+  hand.motion().request(Request::kArm);
+  hand.turn();
+  const double at = hand.state().position[0];
+  EXPECT_EQ(hand.state().last_refusal.view(),
+            fmt::format("ARM refused: measured far outside the limits: joint '{}' is at {:.4g} "
+                        "rad, its limits {:.4g} to {:.4g}",
+                        config.governor.names[0], at, limits.lower, limits.upper));
+  EXPECT_FALSE(hand.rig().isPowered());
+}
+
+TEST(Motion, OutOfSeveralJointsTheOneFarthestOutsideIsNamed) {
+  safety::GovernorOptions options;
+  options.names = {"a", "b", "c"};
+  options.limits.resize(3, {.lower = 0, .upper = 1.5});
+  options.outside = 0.2;
+  EXPECT_EQ(outsideText(options, std::vector{-0.1, 1.6, 0.5}).view(), "") << "by less";
+  EXPECT_EQ(outsideText(options, std::vector{-0.3, 71.6, 0.5}).view(),
+            "joint 'b' is at 71.6 rad, its limits 0 to 1.5");
+}
+
+TEST(Motion, WithoutHomingZerosAreFoundByTheWalkAlone) {
+  config::HandConfig config = exampleReady("leap");
+  config.calibration = "not_there.yaml";
+  config.is_calibrated = false;
+  HandInMotion hand(config);
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+  hand.offer(0.4);
+  hand.motion().request(Request::kArm);
+  hand.turn();
+  const std::string why =
+      "zeros are not known: there is no calibration yet: `handgraft bridge check` makes one";
+  EXPECT_EQ(hand.state().last_refusal.view(), "ARM refused: " + why);
+  EXPECT_EQ(describe(hand.state()), "motors off; " + why);
 }
 
 TEST_P(EveryHandInMotion, CanBeArmedOnceItSaysThatItsMotorsAreOff) {
