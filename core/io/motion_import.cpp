@@ -29,6 +29,7 @@ using manipulation::PatchTrack;
 using nlohmann::json;
 
 constexpr double kSequenceReach = 0.01;  // m
+constexpr double kSameSpan = 0.05;       // of a recording's time; its last frame has a length
 constexpr double kHighestRate = 1e5;     // frames a second
 
 Eigen::Vector3d placeIn(const json& object, const char* name) {
@@ -239,6 +240,13 @@ void moveAlong(const std::filesystem::path& object_path, Motion& motion) {
     rejectInput("{}: has {} splines; an object has 6", quoted(object_path.string()),
                 path.controls.cols());
   const std::size_t last = motion.X_WO.size() - 1;
+  const double span_s = motion.time_s.back() - motion.time_s.front();
+  if (std::abs(path.duration_s - span_s) > kSameSpan * span_s)
+    motion.notes.push_back(
+        fmt::format("the object's path {} lasts {:.3f} s and the recording {:.3f} s: the path "
+                    "is followed in "
+                    "the recording's time; is it of another recording?",
+                    quoted(object_path.filename().string()), path.duration_s, span_s));
   for (std::size_t k = 0; k <= last; ++k)
     motion.X_WO[k] = poseFromSpline(
         path.at(last > 0 ? static_cast<double>(k) / static_cast<double>(last) : 0.0));

@@ -34,8 +34,9 @@ Pose poseFromSpline(const Eigen::VectorXd& coordinates);
 /// track is a point of one link, matched from frame to frame by where it is on both sides.
 ///
 /// `object_path`: a `.smexp` trajectory of the object; empty: it stands still. Points farther
-/// than 1 cm off the object are left out, with a note.
-/// Errors: InvalidInput naming the file, the frame and the field.
+/// than 1 cm off the object are left out, with a note; so is noted that the path lasts longer
+/// or shorter than the recording, in whose time it is followed. Errors: InvalidInput naming the
+/// file, the frame and the field.
 manipulation::Motion readContactSequence(const std::filesystem::path& path,
                                          const geometry::TriangleMesh& object_O,
                                          const std::filesystem::path& object_path);
