@@ -53,6 +53,18 @@ std::string objectIn(const std::filesystem::path& path) {
   return file["object"].get<std::string>();
 }
 
+/// A recording may say of which mesh it is, which is not what the server calls it.
+void requireObjectNamed(const std::filesystem::path& recording) {
+  const json::Json file = json::Json::parse(readFile(recording), nullptr, false);
+  if (!file.is_object() || file.contains("object")) return;
+  const auto mesh = file.find("object_mesh");
+  if (mesh == file.end() || !mesh->is_string()) return;
+  rejectInput(
+      "{}: its object_mesh is {}; say by --object which mesh that is, or what the server calls "
+      "it",
+      quoted(recording.string()), quoted(mesh->get<std::string>()));
+}
+
 /// What a contact set says that it lies on; empty where it does not.
 std::string objectUnder(Client& server, const std::string& contacts) {
   if (isPath(contacts)) return objectIn(contacts);
@@ -172,6 +184,8 @@ int run(const MotionImportOptions& options,
   for (const auto& more : {inputsOf(object, "--object"), inputsOf(hand, "--hand")})
     inputs.insert(inputs.end(), more.begin(), more.end());
   requireSafe({{"--out", options.out}}, inputs);
+  if (!options.recording.empty() && options.object.empty())
+    requireObjectNamed(options.recording);
 
   ProgressLine progress;
   Client server(

@@ -257,6 +257,19 @@ TEST_F(ImportCommands, JoinRefusesGraspsOfTwoObjectsBeforeAnythingIsSent) {
   EXPECT_TRUE(script.loads.empty());
 }
 
+TEST_F(ImportCommands, ARecordingOfAMeshIsRefusedWithItsWordForIt) {
+  MotionImportOptions options;
+  options.recording = write("grab.json", R"({"fps": 120, "object_mesh": "apple.obj"})");
+  options.name = "grab";
+  try {
+    run(options, common, interruption);
+    ADD_FAILURE() << "it says no object";
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), HasSubstr("its object_mesh is 'apple.obj'; say by --object"));
+  }
+  EXPECT_TRUE(script.loads.empty()) << "nothing was sent";
+}
+
 TEST_F(ImportCommands, FromPosePassesTheFileOn) {
   PoseContactsOptions options;
   options.hand = "flat";
