@@ -12,6 +12,7 @@
 #include "core/base/error.h"
 #include "core/demonstration/posed_hand_tracker.h"
 #include "core/hand/kinematics.h"
+#include "idl/demonstrator_words.h"
 #include "server/messages/convert.h"
 
 namespace handgraft::server {
@@ -29,10 +30,17 @@ void requireHandSized(const hand::JointPlaces& joints_W) {
   double length = (joints_W.col(kMiddleKnuckle) - joints_W.col(0)).norm();
   for (int joint = kMiddleKnuckle; joint < kMiddleKnuckle + 3; ++joint)
     length += (joints_W.col(joint + 1) - joints_W.col(joint)).norm();
-  if (length >= kShortest && length <= kLongest) return;
+  const auto is_hands = [](double length_m) {
+    return length_m >= kShortest && length_m <= kLongest;
+  };
+  if (is_hands(length)) return;
   rejectInput(
-      "values: from the wrist along the middle finger to its tip {:.3g} m; a hand has {} to {}",
-      length, kShortest, kLongest);
+      "values: from the wrist along the middle finger to its tip {:.3g} m; a hand has {} to "
+      "{}{}",
+      length, kShortest, kLongest,
+      is_hands(1e-3 * length)   ? ": millimetres?"
+      : is_hands(1e-2 * length) ? ": centimetres?"
+                                : "");
 }
 
 manipulation::DemonstratedFrame demonstratedFrom(const v1::DemonstratorFrame& message) {
@@ -161,8 +169,13 @@ void heed(LiveSession& live, const v1::DemonstratorFrame& frame) {
   const SolveCycle::Clock::time_point now = live.now();
   const bool is_same = frame.client() == following.client;
   if (following.follower && !is_same && now - following.heard < kStopped)
-    rejectInput("another one is followed, until it has stopped for {} ms", kStopped.count());
-  if (!is_same || frame.sequence_number() <= following.sequence_number) following = Following();
+    rejectInput("{}, until it has stopped for {} ms", idl::kAnotherIsFollowed,
+                kStopped.count());
+  if (!is_same || frame.sequence_number() <= following.sequence_number) {
+    following = Following();
+    // What the one before was told is no word of this one, though it may be told the same.
+    live.warn(LiveSession::Warning::kDemonstrator, "");
+  }
   following.client = frame.client();
   following.sequence_number = frame.sequence_number();
   following.heard = now;
@@ -217,14 +230,15 @@ void followFrame(LiveSession& live,
       live.recallFrom(0);
       live.publish(answerOf(live, frame, *answer));
     } else {
-      trouble = fmt::format(
-          "demonstrator: touches the object with {} of the {} parts that a hand begins with",
-          live.following.follower->touches(), retargeting::LiveFollower::kTouchesToBegin);
+      trouble =
+          fmt::format("{}{} {} of the {} parts that a hand begins with", idl::kOfDemonstrator,
+                      idl::kTouchesTooLittle, live.following.follower->touches(),
+                      retargeting::LiveFollower::kTouchesToBegin);
     }
   } catch (const Cancelled&) {
     return;  // it is being closed
   } catch (const std::exception& error) {
-    trouble = std::string("demonstrator: ") + error.what();
+    trouble = std::string(idl::kOfDemonstrator) + error.what();
   }
   live.warn(LiveSession::Warning::kDemonstrator, trouble);
 }

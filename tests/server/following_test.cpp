@@ -101,6 +101,40 @@ TEST_F(FollowingTest, WhyAFrameIsRefusedIsToldUntilOneIsRight) {
   EXPECT_TRUE(isTold("from the wrist along the middle finger to its tip 0 m; a hand has 0.05"));
 }
 
+TEST_F(FollowingTest, PlacesInMillimetresAreAskedFor) {
+  v1::DemonstratorFrame frame = places(0.0, 63);
+  const auto with_finger_of = [&](double length) {
+    frame.values(std::vector<double>(63, 0.0));
+    for (std::size_t joint = 9; joint < 13; ++joint)
+      frame.values()[3 * joint] = length * static_cast<double>(joint - 8) / 4.0;
+    frame.sequence_number(frame.sequence_number() + 1);
+    return frame;
+  };
+  bus.send(with_finger_of(181.0));
+  EXPECT_TRUE(isTold("to its tip 181 m; a hand has 0.05 to 0.5: millimetres?"));
+  bus.send(with_finger_of(18.0));
+  EXPECT_TRUE(isTold("to its tip 18 m; a hand has 0.05 to 0.5: centimetres?"));
+  bus.send(with_finger_of(2000.0));
+  ASSERT_TRUE(isTold("to its tip 2e+03 m"));
+  EXPECT_EQ(message().find("metres?"), std::string::npos) << message();
+}
+
+TEST_F(FollowingTest, AnotherDemonstratorIsToldAnewThoughItBeTheSame) {
+  bus.send(places(0.0, 60));
+  ASSERT_TRUE(becomes("values: 60 numbers"));
+  const std::size_t before = bus.count(bus.states);
+  v1::DemonstratorFrame of_another = places(0.0, 60);
+  of_another.client({2});
+  bus.send(of_another);
+  EXPECT_TRUE(bus.await<v1::SessionState>(bus.states, [&](const v1::SessionState& newest) {
+    const bool is_told = newest.message().find("values: 60 numbers") != std::string::npos;
+    return is_told && std::any_of(bus.states.begin() + static_cast<std::ptrdiff_t>(before),
+                                  bus.states.end(), [](const v1::SessionState& state) {
+                                    return state.message().empty();
+                                  });
+  })) << "it was told nothing of its own";
+}
+
 TEST_F(FollowingTest, JointsThatSayNothingAreRefused) {
   bus.send(joints(0.0, {0.1, 0.2}));
   EXPECT_TRUE(isTold("values: 2 numbers; hand 'clamp' has 1 joints"));

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <fstream>
 #include <optional>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -170,6 +171,38 @@ TEST(Motion, ADemonstratorIsImportedAndFollowedLive) {
   EXPECT_GT(followed.at("answered"), 20);
   EXPECT_LT(followed.at("largest_step"), 2.0);
   EXPECT_EQ(followed.at("message"), "");
+
+  // While somebody else is followed, it is said and ends.
+  {
+    const auto other =
+        service.start("handgraft", {"motion", "follow", session, file, "--loop"});
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    const Finished refused =
+        service.client({"motion", "follow", session, file, "--speed", "0.1"});
+    EXPECT_EQ(refused.exit_code, 1) << refused.out;
+    EXPECT_THAT(refused.err, HasSubstr("another one is followed"));
+    EXPECT_THAT(refused.err, Not(HasSubstr("after 60 of 60")));
+    EXPECT_THAT(refused.out, Not(HasSubstr("nan")));
+  }
+
+  // Joints in millimetres are refused with the first of the frames, and nothing is left unsaid.
+  json in_mm = {{"format", "handgraft-demonstration/1"}, {"object", "box"}};
+  for (int k = 0; k < 60; ++k) {
+    std::vector<std::vector<double>> joints;
+    for (int joint = 0; joint < 21; ++joint)
+      joints.push_back({45.0 * (joint == 0 ? 0 : (joint - 1) % 4 + 1), 0.0, 0.0});
+    in_mm["time_s"].push_back(k / 30.0);
+    in_mm["joints_W_m"].push_back(joints);
+    in_mm["object_pose"].push_back({0.0, 0.0, 0.0, 1, 0, 0, 0});
+  }
+  for (int run = 0; run < 2; ++run) {
+    const Finished refused =
+        service.client({"motion", "follow", session, written("in_mm.json", in_mm.dump())});
+    EXPECT_EQ(refused.exit_code, 1) << refused.out;
+    EXPECT_THAT(refused.err, HasSubstr("millimetres?"));
+    EXPECT_THAT(refused.err, Not(HasSubstr("after 60 of 60")));
+    EXPECT_THAT(refused.out, Not(HasSubstr("nan")));
+  }
 }
 
 // A hand given its own way comes back to it, and another hand follows the same areas.

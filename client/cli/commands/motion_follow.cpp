@@ -1,10 +1,7 @@
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <limits>
-#include <map>
-#include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -12,10 +9,12 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
+#include "client/cli/commands/follow_answers.h"
 #include "client/link/client.h"
 #include "client/link/demonstration.h"
 #include "client/link/following.h"
 #include "client/link/session_id.h"
+#include "client/present/failure.h"
 #include "client/present/interactive_client.h"
 #include "client/present/interruption.h"
 #include "client/present/joint_unit.h"
@@ -25,60 +24,10 @@ namespace handgraft::client {
 
 namespace {
 
-using FollowClock = std::chrono::steady_clock;
+using FollowClock = FollowAnswers::Clock;
 
 constexpr std::chrono::milliseconds kLastAnswers(300);
-
-/// When frames were sent, and what came of them. From several threads.
-class Answers {
- public:
-  void sent(double time_s, FollowClock::time_point now) {
-    const std::lock_guard lock(mutex_);
-    sent_[time_s] = now;
-  }
-
-  void came(const v1::PoseSolution& solution, FollowClock::time_point now) {
-    if (solution.time_s().empty()) return;
-    const std::lock_guard lock(mutex_);
-    const auto found = sent_.find(solution.time_s().front());
-    if (found == sent_.end()) return;
-    latency_ms_.push_back(
-        std::chrono::duration<double, std::milli>(now - found->second).count());
-    sent_.erase(found);
-    double step = 0.0;
-    const std::vector<double>& joints = solution.joint_positions();
-    for (std::size_t i = 0; i < joints.size() && last_.size() == joints.size(); ++i)
-      step = std::max(step, std::abs(joints[i] - last_[i]));
-    largest_step_ = std::max(largest_step_, step);
-    last_ = joints;
-  }
-
-  /// A share of all latencies lies below; NaN without any.
-  double latency(double share) {
-    const std::lock_guard lock(mutex_);
-    if (latency_ms_.empty()) return std::numeric_limits<double>::quiet_NaN();
-    std::sort(latency_ms_.begin(), latency_ms_.end());
-    const auto last = static_cast<double>(latency_ms_.size() - 1);
-    return latency_ms_[static_cast<std::size_t>(share * last)];
-  }
-
-  std::size_t count() {
-    const std::lock_guard lock(mutex_);
-    return latency_ms_.size();
-  }
-
-  double largestStep() {
-    const std::lock_guard lock(mutex_);
-    return largest_step_;
-  }
-
- private:
-  std::mutex mutex_;
-  std::map<double, FollowClock::time_point> sent_;
-  std::vector<double> latency_ms_;
-  std::vector<double> last_;
-  double largest_step_ = 0.0;
-};
+constexpr int kFailed = 1;
 
 }  // namespace
 
@@ -88,11 +37,13 @@ int run(const MotionFollowOptions& options,
   const std::vector<v1::DemonstratorFrame> frames = readDemonstration(options.demonstration);
   Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
-  static_cast<void>(server.describeSession(session_id).get());
-  Answers answers;
+  FollowAnswers answers(server.describeSession(session_id).get().message());
   Listener listener;
   listener.on_solution = [&answers](const v1::PoseSolution& solution) {
     answers.came(solution, FollowClock::now());
+  };
+  listener.on_state = [&answers](const v1::SessionState& session) {
+    answers.said(session.message(), FollowClock::now());
   };
   const Following following(server, session_id, listener);
   DemonstratorWriter writer(server, session_id);
@@ -107,19 +58,20 @@ int run(const MotionFollowOptions& options,
       const double time_s = lap_s + (frame.time_s() - first_s) / options.speed;
       std::this_thread::sleep_until(begin + std::chrono::duration_cast<FollowClock::duration>(
                                                 std::chrono::duration<double>(time_s)));
-      if (interruption.requested()) break;
+      if (interruption.requested() || answers.refusal()) break;
       v1::DemonstratorFrame message = frame;
       message.time_s(time_s);
       answers.sent(time_s, FollowClock::now());
       writer.write(message);
     }
     lap_s += (frames.back().time_s() - first_s + interval_s) / options.speed;
-  } while (options.loops && !interruption.requested());
-  std::this_thread::sleep_for(kLastAnswers);
+  } while (options.loops && !interruption.requested() && !answers.refusal());
+  if (!answers.refusal()) std::this_thread::sleep_for(kLastAnswers);
 
   const double p50 = answers.latency(0.5);
   const double p99 = answers.latency(0.99);
   const v1::SessionState state = server.describeSession(session_id).get();
+  const std::optional<std::string> refusal = answers.refusal();
   if (common.json) {
     const auto or_null = [](double value) {
       return std::isfinite(value) ? json::Json(value) : json::Json();
@@ -130,9 +82,9 @@ int run(const MotionFollowOptions& options,
                                       {"latency_p50_ms", or_null(p50)},
                                       {"latency_p99_ms", or_null(p99)},
                                       {"largest_step", answers.largestStep()},
-                                      {"message", state.message()}},
+                                      {"message", refusal.value_or(state.message())}},
                                      2));
-  } else {
+  } else if (!refusal && answers.count() > 0) {
     const JointUnit unit =
         unitOfLargest(server.describe(v1::MODEL_HAND, state.hand(), false).get().hand());
     fmt::print(
@@ -141,6 +93,16 @@ int run(const MotionFollowOptions& options,
         writer.count(), answers.count(), p50, p99, unit.scale * answers.largestStep(),
         unit.name);
     if (!state.message().empty()) fmt::print("{}\n", state.message());
+  }
+  if (refusal) {
+    throw CommandFailed(
+        {kFailed, fmt::format("session {} refused it after {} of {} frames: {}", session_id,
+                              writer.count(), frames.size(), *refusal)});
+  }
+  if (answers.count() == 0) {
+    throw CommandFailed(
+        {kFailed, fmt::format("session {}: none of {} frames was answered by a pose: {}",
+                              session_id, writer.count(), answers.whyNone())});
   }
   return 0;
 }
