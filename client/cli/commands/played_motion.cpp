@@ -56,7 +56,8 @@ PlayedMotion::Found PlayedMotion::lookOnce(std::uint64_t known) {
     const v1::SessionState state = server_.describeSession(session_.session_id()).get();
     if (state.joint_names() != session_.joint_names()) {
       rejectInput("session {} is of hand {} now, it was {}: play it anew",
-                  session_.session_id(), quoted(state.hand()), quoted(session_.hand()));
+                  session_.session_id(), handgraft::quoted(state.hand()),
+                  handgraft::quoted(session_.hand()));
     }
     if (state.revision() == known || state.phase() != v1::PHASE_READY) return found;
     found.way.emplace(framesOf(server_, session_.session_id()));
