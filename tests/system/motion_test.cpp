@@ -126,7 +126,7 @@ TEST(Motion, ABoxIsPulledOffAShelfAndTurned) {
       {"edit", session, "--script", written("weight.txt", "weight index 3\n")});
   ASSERT_EQ(edited.exit_code, 0) << edited.err;
   EXPECT_TRUE(playing->waitForText("revision 1 is played from here on")) << playing->err();
-  service.ask({"close", session});
+  (void)service.client({"close", session});
   EXPECT_EQ(playing->wait(), 1);
   EXPECT_THAT(playing->err(), HasSubstr("session " + session));
 
