@@ -99,17 +99,18 @@ int skippedSites(const Assignment& assignment) {
 
 }  // namespace
 
-std::vector<int> assignSites(const HandPoseGuesser& placer,
-                             const std::shared_ptr<const hand::HandModel>& model,
-                             const std::vector<Anchor>& fixed,
-                             const std::vector<Anchor>& patches_O,
-                             const std::vector<Anchor>& sites_L,
-                             const std::vector<std::vector<bool>>& permitted,
-                             const Pose& X_WO,
-                             const Progress& progress) {
+std::vector<std::vector<int>> assignSites(const HandPoseGuesser& placer,
+                                          const std::shared_ptr<const hand::HandModel>& model,
+                                          const std::vector<Anchor>& fixed,
+                                          const std::vector<Anchor>& patches_O,
+                                          const std::vector<Anchor>& sites_L,
+                                          const std::vector<std::vector<bool>>& permitted,
+                                          const Pose& X_WO,
+                                          std::size_t most,
+                                          const Progress& progress) {
   const int patches = std::min<int>(kMostAssigned, static_cast<int>(patches_O.size()));
   const int sites = std::min<int>(kMostCandidates, static_cast<int>(sites_L.size()));
-  std::vector<int> answer(patches_O.size(), -1);
+  const std::vector<int> none(patches_O.size(), -1);
   const std::vector<Assignment> all = Enumeration(patches, sites, permitted).run();
 
   // === Rank by a rigid hand, which knows nothing of a thumb that is opposed, then by a solve
@@ -124,23 +125,22 @@ std::vector<int> assignSites(const HandPoseGuesser& placer,
     ranking.resize(std::min(ranking.size(), most));
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (anchorsOf(all[i], fixed, patches_O, sites_L).empty()) return answer;
+    if (anchorsOf(all[i], fixed, patches_O, sites_L).empty()) return {none};
     ranking.emplace_back(0.0, i);
   }
   rank_by(kLookedAt, [&](const std::vector<Anchor>& anchors) {
     return rigidResidual(model, anchors, X_WO);
   });
-  for (const auto& [most, starts] :
-       {std::pair(kShortList, 1), std::pair(std::size_t{1}, kStartsEach)}) {
-    rank_by(most, [&, starts = starts](const std::vector<Anchor>& anchors) {
+  for (const auto& [kept, starts] : {std::pair(kShortList, 1), std::pair(most, kStartsEach)}) {
+    rank_by(kept, [&, starts = starts](const std::vector<Anchor>& anchors) {
       return placer.place(anchors, X_WO, starts, progress).front().score;
     });
   }
-  if (!ranking.empty()) {
-    const Assignment& best = all[ranking.front().second];
-    std::copy(best.begin(), best.end(), answer.begin());
-  }
-  return answer;
+  std::vector<std::vector<int>> answers;
+  for (const auto& [score, index] : ranking)
+    std::copy(all[index].begin(), all[index].end(), answers.emplace_back(none).begin());
+  if (answers.empty()) answers.push_back(none);
+  return answers;
 }
 
 }  // namespace handgraft::placement

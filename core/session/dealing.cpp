@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <deque>
-#include <limits>
-#include <memory>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,14 +10,11 @@
 
 #include "core/base/error.h"
 #include "core/hand/hand_location.h"
-#include "core/session/derived_state.h"
-#include "core/session/patch_matching.h"
+#include "core/session/best_way.h"
 #include "core/session/place_matching.h"
 
 namespace handgraft::session {
 namespace {
-
-constexpr int kShortStarts = 4;
 
 constexpr std::array<const char*, 5> kOrder{"thumb", "index", "middle", "ring", "little"};
 
@@ -86,134 +79,17 @@ std::vector<std::string> digitsIn(const PlacesOfPatches& places) {
   return inOrder(std::move(digits));
 }
 
-/// Patches that an answer lacks, those that are dropped of them, and the objective: less is
-/// better. Of as many, what is missed may be reached yet, what is dropped never.
-using Lack = std::tuple<std::ptrdiff_t, std::ptrdiff_t, double>;
-
-/// A way to deal, and what comes of it.
-struct Way {
-  Dealing dealing;
-  Document document;  ///< laid so
-  Lack lack;
-  bool reaches_all = false;
-};
-
-/// What a document is solved as: itself, or of a motion each of its frames that count.
-class Trials {
- public:
-  Trials(const Models& models, const Document& document) : frames_(models.frames) {
-    const auto add = [&](const std::shared_ptr<const contact::ContactSet>& contacts) {
-      derived_.emplace_back(std::make_shared<ModelCache>(
-          modelsFor(document, *models.hand, models.object_O, contacts)));
-    };
-    if (frames_.empty()) add(models.contacts);
-    for (const FrameContacts& frame : frames_)
-      add(frame.contacts);
-  }
-
-  [[nodiscard]] std::vector<Document> of(const Document& document) const {
-    if (frames_.empty()) return {document};
-    std::vector<Document> documents;
-    for (const FrameContacts& frame : frames_)
-      documents.push_back(atFrame(document, frame));
-    return documents;
-  }
-
-  /// What that one of them follows from.
-  DerivedState& derived(std::size_t index) { return derived_[index]; }
-
- private:
-  const std::vector<FrameContacts>& frames_;
-  std::deque<DerivedState> derived_;
-};
-
-std::vector<Way> waysToLay(const Models& models,
-                           const hand::FingerCoordinates& coordinates,
-                           const PlacesOfPatches& places,
-                           const std::vector<Dealing>& dealings,
-                           const Document& document) {
-  std::vector<Way> ways;
+std::vector<Document> laidBy(const Models& models,
+                             const hand::FingerCoordinates& coordinates,
+                             const PlacesOfPatches& places,
+                             const std::vector<Dealing>& dealings,
+                             const Document& document) {
+  std::vector<Document> ways;
   for (const Dealing& dealing : dealings) {
-    Way& way = ways.emplace_back(Way{dealing, document, {}});
-    layDealt(models, coordinates, places, dealing, way.document);
+    ways.push_back(document);
+    layDealt(models, coordinates, places, dealing, ways.back());
   }
   return ways;
-}
-
-std::ptrdiff_t askedPatches(const Document& document) {
-  return std::count_if(document.patches.begin(), document.patches.end(),
-                       [](const DocumentPatch& patch) {
-                         return patch.enabled;
-                       });
-}
-
-std::ptrdiff_t droppedPatches(const Document& document) {
-  return std::count_if(document.patches.begin(), document.patches.end(),
-                       [](const DocumentPatch& patch) {
-                         return patch.enabled && !patch.placement;
-                       });
-}
-
-/// What comes of each way by `solve(derived, document)`, the best of them put first; one that
-/// leaves no point comes to nothing. Ways that drop more than another one lacks are not looked
-/// at.
-template <class Solve>
-void judge(Trials& trials, std::vector<Way>& ways, const Solve& solve) {
-  std::ptrdiff_t least = std::numeric_limits<std::ptrdiff_t>::max();
-  for (Way& way : ways) {
-    const std::vector<Document> documents = trials.of(way.document);
-    auto& [lacking, dropped, objective] = way.lack;
-    lacking = dropped = 0;
-    objective = std::numeric_limits<double>::infinity();
-    way.reaches_all = false;
-    for (const Document& document : documents) {
-      lacking += askedPatches(document);
-      dropped += droppedPatches(document);
-    }
-    if (dropped > least) continue;
-    lacking = dropped;
-    objective = 0.0;
-    int solved = 0;
-    for (std::size_t i = 0; i < documents.size(); ++i) {
-      // Of nothing that is laid nothing is missed but what is dropped.
-      if (askedPatches(documents[i]) == droppedPatches(documents[i])) continue;
-      ++solved;
-      try {
-        const Solution solution = solve(trials.derived(i), documents[i]);
-        lacking += failedPatches(solution.problem, solution.report);
-        objective += solution.report.terms.objective;
-      } catch (const InvalidInput&) {
-        lacking += askedPatches(documents[i]) - droppedPatches(documents[i]);
-        objective = std::numeric_limits<double>::infinity();
-      }
-    }
-    if (solved == 0) objective = std::numeric_limits<double>::infinity();
-    way.reaches_all = solved > 0 && lacking == dropped;
-    least = std::min(least, lacking);
-  }
-  std::stable_sort(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
-    return a.lack < b.lack;
-  });
-}
-
-/// The way that lacks least: by a short search, and where that misses any, by a full one of
-/// each, since the short one is no guide then (DECISIONS.md).
-Dealing bestOf(const Models& models, std::vector<Way> ways, const Progress& progress) {
-  if (ways.size() == 1) return ways.front().dealing;
-  Trials trials(models, ways.front().document);
-  SolverSettings solving = ways.front().document.solving;
-  solving.starts = kShortStarts;
-  judge(trials, ways, [&](DerivedState& derived, const Document& document) {
-    derived.follow(document, progress);
-    return derived.solveRoughly(solving, progress);
-  });
-  if (ways.front().reaches_all) return ways.front().dealing;
-  solving = ways.front().document.solving;
-  judge(trials, ways, [&](DerivedState& derived, const Document& document) {
-    derived.follow(document, progress);
-    return derived.solve(solving, {}, progress);
-  });
-  return ways.front().dealing;
 }
 
 }  // namespace
@@ -305,8 +181,8 @@ Dealing dealFingers(const Models& models,
   if (missing.empty() && !is_claw) return same;
   const std::vector<Dealing> ways = waysToDeal(anatomy, touching);
   const bool has_choice = ways.size() > 1;
-  Dealing best =
-      bestOf(models, waysToLay(models, coordinates, places, ways, document), progress);
+  const Dealing best = ways[bestWay(models, laidBy(models, coordinates, places, ways, document),
+                                    false, progress)];
   for (const auto& [from, to] : best) {
     if (from == to) continue;
     std::string why;

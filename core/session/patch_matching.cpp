@@ -12,6 +12,7 @@
 #include "core/geometry/tangent.h"
 #include "core/placement/hand_pose_guess.h"
 #include "core/placement/site_assignment.h"
+#include "core/session/best_way.h"
 #include "core/session/patch_names.h"
 #include "core/session/place_matching.h"
 
@@ -47,18 +48,37 @@ placement::Anchor objectSideOf(placement::Anchor anchor,
                                    !patch.direction_is_open);
 }
 
+/// Assignments of patches without a name that are solved to be compared, with a palm in them
+/// and without.
+constexpr std::size_t kWays = 6;
+
+/// False if nothing changes by it.
+bool forbidPalm(const std::vector<const hand::ContactSite*>& sites,
+                std::vector<std::vector<bool>>& permitted) {
+  bool any = false;
+  for (std::size_t s = 0; s < sites.size(); ++s) {
+    if (sites[s]->name != hand::kPalmPart) continue;
+    for (std::vector<bool>& of_patch : permitted) {
+      any = any || of_patch[s];
+      of_patch[s] = false;
+    }
+  }
+  return any;
+}
+
 void matchByGeometry(const Models& models, Document& document, const Progress& progress) {
   const hand::Hand& hand = *models.hand;
   // === Who is left: patches and sites where at least one of the two has no finger's name
-  std::vector<DocumentPatch*> patches;
+  std::vector<std::size_t> patches;
   std::vector<placement::Anchor> patch_anchors;
   std::vector<placement::Anchor> fixed;
-  for (DocumentPatch& patch : document.patches) {
+  for (std::size_t i = 0; i < document.patches.size(); ++i) {
+    const DocumentPatch& patch = document.patches[i];
     if (!patch.placement && !patch.dropped.empty()) {
       // Its finger has been dealt with: part of it on another one would be worse than none.
       document.notes.push_back(patch.dropped);
     } else if (!patch.placement) {
-      patches.push_back(&patch);
+      patches.push_back(i);
       patch_anchors.push_back(objectSideOf({}, patch, models));
     } else if (auto anchor = placement::anchorAt(*hand.skin, *patch.placement)) {
       fixed.push_back(objectSideOf(*anchor, patch, models));
@@ -78,36 +98,61 @@ void matchByGeometry(const Models& models, Document& document, const Progress& p
   }
   bool any = false;
   std::vector<std::vector<bool>> permitted;
-  for (const DocumentPatch* patch : patches) {
+  for (const std::size_t i : patches) {
     permitted.emplace_back();
     for (const hand::ContactSite* site : sites) {
-      const bool may = isAnonymousPatch(patch->name) || isAnonymousSite(site->name);
+      const bool may =
+          isAnonymousPatch(document.patches[i].name) || isAnonymousSite(site->name);
       permitted.back().push_back(may);
       any = any || may;
     }
   }
 
   // === Their places, and who goes without
-  std::vector<int> answer(patches.size(), -1);
+  std::vector<std::vector<int>> answers{std::vector<int>(patches.size(), -1)};
   if (any) {
     const placement::HandPoseGuesser placer(hand.model, *hand.skin, models.object_O);
-    answer = placement::assignSites(placer, hand.model, fixed, patch_anchors, site_anchors,
-                                    permitted, document.X_WO, progress);
-  }
-  for (std::size_t i = 0; i < patches.size(); ++i) {
-    DocumentPatch& patch = *patches[i];
-    if (answer[i] >= 0) {
-      lay(hand, *sites[static_cast<std::size_t>(answer[i])], patch);
-      document.notes.push_back(fmt::format("{} laid on site '{}', the best assignment found",
-                                           quoted(patch.name), patch.site));
-    } else if (isAnonymousPatch(patch.name)) {
-      patch.dropped = fmt::format("no site is left for {}; the hand's sites are {}",
-                                  quoted(patch.name), namesOf(hand.sites));
-    } else {
-      patch.dropped = fmt::format("hand has no {}; its sites are {}", quoted(patch.name),
-                                  namesOf(hand.sites));
+    const auto assigned = [&] {
+      return placement::assignSites(placer, hand.model, fixed, patch_anchors, site_anchors,
+                                    permitted, document.X_WO, kWays, progress);
+    };
+    answers = assigned();
+    // Hands touch with fingers first: a palm that is as good by roots and normals may be out of
+    // what they leave of the object's reach.
+    if (forbidPalm(sites, permitted)) {
+      for (std::vector<int>& answer : assigned())
+        if (std::find(answers.begin(), answers.end(), answer) == answers.end())
+          answers.push_back(std::move(answer));
     }
   }
+  const auto laidBy = [&](const std::vector<int>& answer) {
+    Document laid = document;
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+      DocumentPatch& patch = laid.patches[patches[i]];
+      if (answer[i] >= 0) {
+        lay(hand, *sites[static_cast<std::size_t>(answer[i])], patch);
+        laid.notes.push_back(fmt::format(
+            "{} laid on site '{}': {}", quoted(patch.name), patch.site,
+            answers.size() > 1 ? "of the ways tried this fits best" : "no other way is open"));
+      } else if (isAnonymousPatch(patch.name)) {
+        const auto laid_count = std::count_if(answer.begin(), answer.end(), [](int site) {
+          return site >= 0;
+        });
+        const bool is_one_left = laid_count < static_cast<std::ptrdiff_t>(sites.size());
+        patch.dropped = fmt::format(
+            "no site is left for {}{}; the hand's sites are {}", quoted(patch.name),
+            is_one_left ? " that reaches it beside the others" : "", namesOf(hand.sites));
+      } else {
+        patch.dropped = fmt::format("hand has no {}; its sites are {}", quoted(patch.name),
+                                    namesOf(hand.sites));
+      }
+    }
+    return laid;
+  };
+  std::vector<Document> ways;
+  for (const std::vector<int>& answer : answers)
+    ways.push_back(laidBy(answer));
+  document = std::move(ways[bestWay(models, ways, true, progress)]);
 }
 
 void noteTheOtherSide(const Models& models, hand::Chirality of_hand, Document& document) {

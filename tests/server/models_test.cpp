@@ -453,6 +453,28 @@ TEST(BuiltInGrasp, APinchWithoutNamesIsTheThumbsAgainstTwoFingers) {
   }
 }
 
+// By roots and normals alone its palm takes a finger's patch, and one of five is reached.
+TEST(BuiltInGrasp, PatchesWithoutNamesGoWhereMostOfThemAreReached) {
+  const LoadedSet set = loadSet({"box_5", "box", {}});
+  contact::ContactSet contacts = set.contacts;
+  int number = 0;
+  for (contact::Patch& patch : contacts.patches) {
+    patch.name = fmt::format("c{}", ++number);
+    patch.place.reset();
+  }
+  session::Session session(readyHand("allegro16"),
+                           std::make_shared<const geometry::TriangleMesh>(set.object.mesh),
+                           contacts, Pose::Identity(), optimize::Weights{});
+  const session::Solution solution = session.solve({}, {}, Progress{});
+  std::ptrdiff_t dropped = 0;
+  for (const session::SessionPatch& patch : solution.patches)
+    dropped += patch.placement ? 0 : 1;
+  EXPECT_EQ(dropped, 1);
+  ASSERT_EQ(solution.report.patches.size(), 4U);
+  for (const optimize::PatchFit& fit : solution.report.patches)
+    EXPECT_LT(fit.mean_mm, 4.0);
+}
+
 // === Generator
 std::string bytesOf(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);

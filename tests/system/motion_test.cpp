@@ -121,7 +121,7 @@ TEST(Motion, ABoxIsPulledOffAShelfAndTurned) {
 
   // What is edited while it plays is taken up.
   const auto playing = service.start("handgraft", {"motion", "play", session, "--loop"});
-  ASSERT_TRUE(playing->waitForText("ends elsewhere than it begins")) << playing->err();
+  ASSERT_TRUE(playing->waitForText("looping")) << playing->err();
   const Finished edited = service.client(
       {"edit", session, "--script", written("weight.txt", "weight index 3\n")});
   ASSERT_EQ(edited.exit_code, 0) << edited.err;

@@ -31,7 +31,8 @@ struct Case {
 
   [[nodiscard]] std::vector<int> assign(const std::vector<std::vector<bool>>& permitted) const {
     return assignSites(placer, grasp.small.model, {}, patches, sites, permitted,
-                       Pose::Identity(), Progress());
+                       Pose::Identity(), 1, Progress())
+        .front();
   }
 };
 

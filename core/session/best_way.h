@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/session/document.h"
+#include "core/session/models.h"
+
+namespace handgraft::session {
+
+/// Of several ways to lay a document's patches the one that lacks least when it is solved:
+/// fewest patches dropped or missed, of as many fewest dropped, then the least objective; of a
+/// motion at all of its frames that count.
+///
+/// By a short search of each, and where none of them reaches all patches by a full one of each,
+/// since the short one is no guide then (DECISIONS.md); `until_all`: until one does, in the
+/// order that the short ones gave. Deterministic. Errors: Cancelled on
+/// wish. Cost: 10 to 20 ms a way, and as much as a solve for each where nothing reaches all.
+std::size_t bestWay(const Models& models,
+                    const std::vector<Document>& laid,
+                    bool until_all,
+                    const Progress& progress);
+
+}  // namespace handgraft::session
