@@ -22,12 +22,14 @@ double pointWeight(const contact::Patch& patch, std::size_t count) {
          std::max(1.0, contact::kDefaultInterpolationCount / static_cast<double>(count));
 }
 
-/// Where on the links a place of a hand is; nothing if it has none.
-std::optional<hand::LinkPoint> linkPointAt(const std::optional<hand::HandLocation>& place,
+/// Where on the links a key's points lie, of those that tell a place: where they were found,
+/// else there; nothing if the hand has none.
+std::optional<hand::LinkPoint> linkPointAt(const PatchKey& key,
                                            const hand::Skin& skin,
                                            const hand::FingerCoordinates& coordinates) {
-  if (!place) return std::nullopt;
-  const auto spot = coordinates.spotAt(*place);
+  if (!key.patch.place) return std::nullopt;
+  if (key.placement) return skin.project(key.placement->root_S);
+  const auto spot = coordinates.spotAt(*key.patch.place);
   if (!spot) return std::nullopt;
   return skin.project(spot->root_S);
 }
@@ -123,7 +125,7 @@ TransferredMotion transferPointsByPlace(const Motion& motion,
     bool any = false;
     for (const PatchKey& key : track.keys) {
       PairSpan span{key.frame, {}};
-      if (const auto spot = linkPointAt(key.patch.place, skin, coordinates)) {
+      if (const auto spot = linkPointAt(key, skin, coordinates)) {
         for (const geometry::SurfacePoint& point : key.patch.interpolation_boundary) {
           optimize::PointPair pair;
           pair.link = spot->link;

@@ -64,7 +64,9 @@ std::vector<int> fullestFrames(const Motion& motion) {
 session::FrameContacts contactsAt(const Motion& motion,
                                   const std::vector<std::string>& names,
                                   const contact::ContactSet& grasp,
+                                  const geometry::TriangleMesh& object_O,
                                   int frame) {
+  const geometry::SurfaceLocator locator(object_O);
   auto contacts = std::make_shared<contact::ContactSet>(grasp);
   session::FrameContacts in_frame;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -76,7 +78,7 @@ session::FrameContacts contactsAt(const Motion& motion,
     if (!in_frame.is_there.back()) continue;
     contact::Patch& patch = contacts->patches[i];
     std::string name = std::move(patch.name);
-    patch = track->keyAt(frame).patch;
+    patch = patchOfGrasp(track->keyAt(frame), object_O, locator);
     patch.name = std::move(name);
   }
   in_frame.contacts = std::move(contacts);
@@ -86,12 +88,12 @@ session::FrameContacts contactsAt(const Motion& motion,
 }  // namespace
 
 std::vector<session::FrameContacts> frameContactsOf(const Motion& motion,
-                                                    const contact::ContactSet& grasp) {
+                                                    const contact::ContactSet& grasp,
+                                                    const geometry::TriangleMesh& object_O) {
   std::vector<session::FrameContacts> frames;
-  if (isOfPoints(motion)) return frames;
   const std::vector<std::string> names = patchNames(motion);
   for (const int frame : fullestFrames(motion))
-    frames.push_back(contactsAt(motion, names, grasp, frame));
+    frames.push_back(contactsAt(motion, names, grasp, object_O, frame));
   return frames;
 }
 
@@ -101,7 +103,7 @@ session::SessionModels modelsOfMotion(
     const Motion& motion) {
   session::SessionModels models =
       session::modelsOf(std::move(hand), object_O, graspOf(motion, *object_O));
-  models.frames = frameContactsOf(motion, *models.contacts);
+  models.frames = frameContactsOf(motion, *models.contacts, *object_O);
   return models;
 }
 
@@ -117,7 +119,7 @@ std::vector<FrameGrasp> graspFrames(
   std::vector<FrameGrasp> grasps;
   for (const int frame : fullestFrames(motion)) {
     progress.report("finding grasps", static_cast<double>(frame) / motion.frameCount());
-    const session::FrameContacts in_frame = contactsAt(motion, names, grasp, frame);
+    const session::FrameContacts in_frame = contactsAt(motion, names, grasp, *object_O, frame);
     session::Document there = session::atFrame(document, in_frame);
     there.timed.clear();
     there.start_is_known = there.is_solved = false;

@@ -15,10 +15,11 @@
 
 namespace handgraft::retargeting {
 
-/// The fullest frame of each third of the motion; none of one that recorded points tell.
-/// `grasp`: the one that stands for it (graspOf).
+/// The fullest frame of each third of the motion, recorded points as disks about them. `grasp`:
+/// the one that stands for it (graspOf).
 std::vector<session::FrameContacts> frameContactsOf(const manipulation::Motion& motion,
-                                                    const contact::ContactSet& grasp);
+                                                    const contact::ContactSet& grasp,
+                                                    const geometry::TriangleMesh& object_O);
 
 /// What a session of a motion is opened with, by the models' own names.
 session::SessionModels modelsOfMotion(

@@ -87,6 +87,12 @@ bool isOfPoints(const Motion& motion) {
   });
 }
 
+contact::Patch patchOfGrasp(const PatchKey& key,
+                            const geometry::TriangleMesh& object_O,
+                            const geometry::SurfaceLocator& locator) {
+  return isRecorded(key) ? diskAbout(object_O, locator, key.patch) : key.patch;
+}
+
 contact::ContactSet graspOf(const Motion& motion, const geometry::TriangleMesh& object_O) {
   contact::ContactSet grasp;
   grasp.name = motion.name;
@@ -97,9 +103,7 @@ contact::ContactSet graspOf(const Motion& motion, const geometry::TriangleMesh& 
   std::set<std::string> known;
   for (const PatchTrack& track : motion.tracks) {
     if (!known.insert(track.name).second) continue;
-    const PatchKey& key = track.keys.front();
-    grasp.patches.push_back(isRecorded(key) ? diskAbout(object_O, locator, key.patch)
-                                            : key.patch);
+    grasp.patches.push_back(patchOfGrasp(track.keys.front(), object_O, locator));
   }
   return grasp;
 }

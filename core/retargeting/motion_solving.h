@@ -49,6 +49,11 @@ std::vector<std::string> patchNames(const manipulation::Motion& motion);
 /// Whether recorded points tell any of its patches.
 bool isOfPoints(const manipulation::Motion& motion);
 
+/// A key's patch as one of a grasp: a recorded point as a disk about it.
+contact::Patch patchOfGrasp(const manipulation::PatchKey& key,
+                            const geometry::TriangleMesh& object_O,
+                            const geometry::SurfaceLocator& locator);
+
 /// The grasp that stands for a motion where one is edited: each patch as it first appears;
 /// recorded points as disks about them, called after their places on the hand.
 contact::ContactSet graspOf(const manipulation::Motion& motion,

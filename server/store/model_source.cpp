@@ -91,7 +91,7 @@ session::SessionModels motionModels(const std::string& hand,
       retargeting::graspOf(*stored->motion, stored_object->file->mesh));
   session::SessionModels made = modelsOn(hand, stored_hand, object, stored_object, motion,
                                          grasp, std::move(source), progress);
-  made.frames = retargeting::frameContactsOf(*stored->motion, *grasp);
+  made.frames = retargeting::frameContactsOf(*stored->motion, *grasp, *made.object_O);
   return made;
 }
 

@@ -266,6 +266,33 @@ TEST_F(MotionOfPlates, PointsOfAnotherHandAreNotThisOnesForOneLinksName) {
   EXPECT_FALSE(lay().tracks[0].spans[0].pairs[0].has_normals);
 }
 
+// Points of a demonstrator lie where their patches were found to lie, as areas do.
+TEST_F(MotionOfPlates, PointsThatTellAPlaceLieWhereItWasFound) {
+  const TwoPlates plates;
+  manipulation::Motion motion = *heldTo(plates);
+  for (manipulation::PatchTrack& track : motion.tracks)
+    for (manipulation::PatchKey& key : track.keys) {
+      key.hand_points.assign(key.patch.interpolation_boundary.size(),
+                             {"index_tip_of_another_hand", Eigen::Vector3d::Zero()});
+      key.patch.place = hand::placeNamed("index_distal");
+    }
+  const session::Document document = touching(plates);
+  const MotionLayer layer(document, plates.hand, *plates.plate, motion);
+  MotionPlaces(document, plates.hand, *plates.plate, motion).deal(motion);
+  manipulation::PatchKey& key = motion.tracks[0].keys[0];
+  ASSERT_TRUE(key.placement);
+  const geometry::TriangleMesh& skin_S = plates.hand.skin->mesh();
+  key.placement = transfer::movedTo(
+      skin_S, *key.placement,
+      plates.hand.skin->locator()
+          .nearest(positionOf(skin_S, key.placement->root_S) + Eigen::Vector3d(0.003, 0.0, 0.0))
+          .point);
+  const hand::LinkPoint found = *plates.hand.skin->project(key.placement->root_S);
+  const optimize::PointPair& pair = layer.lay(motion, Progress()).tracks[0].spans[0].pairs[0];
+  EXPECT_EQ(pair.link, found.link);
+  EXPECT_EQ(pair.p_L, found.p_L);
+}
+
 // Halfway between two fingers there is no finger: a patch goes from one and comes to the other.
 TEST_F(MotionOfPlates, ARootFarAwayOnTheHandFadesOutAndIn) {
   TwoPlates plates;
