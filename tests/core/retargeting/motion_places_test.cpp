@@ -272,8 +272,8 @@ TEST_F(MotionOfPlates, PointsThatTellAPlaceLieWhereItWasFound) {
   manipulation::Motion motion = *heldTo(plates);
   for (manipulation::PatchTrack& track : motion.tracks)
     for (manipulation::PatchKey& key : track.keys) {
-      key.hand_points.assign(key.patch.interpolation_boundary.size(),
-                             {"index_tip_of_another_hand", Eigen::Vector3d::Zero()});
+      key.patch.interpolation_boundary.resize(1);
+      key.hand_points = {{"index_tip_of_another_hand", Eigen::Vector3d::Zero()}};
       key.patch.place = hand::placeNamed("index_distal");
     }
   const session::Document document = touching(plates);
