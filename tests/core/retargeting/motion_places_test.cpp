@@ -288,7 +288,7 @@ TEST_F(MotionOfPlates, PointsThatTellAPlaceLieWhereItWasFound) {
           .nearest(positionOf(skin_S, key.placement->root_S) + Eigen::Vector3d(0.003, 0.0, 0.0))
           .point);
   const hand::LinkPoint found = *plates.hand.skin->project(key.placement->root_S);
-  const optimize::PointPair& pair = layer.lay(motion, Progress()).tracks[0].spans[0].pairs[0];
+  const optimize::PointPair pair = layer.lay(motion, Progress()).tracks[0].spans[0].pairs[0];
   EXPECT_EQ(pair.link, found.link);
   EXPECT_EQ(pair.p_L, found.p_L);
 }
