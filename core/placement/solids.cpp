@@ -6,16 +6,32 @@
 
 namespace handgraft::placement {
 
+namespace {
+
+/// By the model, since its rest pose counts, too; it comes with one skin.
+WeakCache<hand::HandModel, hand::HandSolid>& handSolids() {
+  static WeakCache<hand::HandModel, hand::HandSolid> memory;
+  return memory;
+}
+
+}  // namespace
+
 std::shared_ptr<const hand::HandSolid> solidOf(
     const std::shared_ptr<const hand::HandModel>& model,
     const std::shared_ptr<const hand::Skin>& skin,
     const Progress& progress) {
   HANDGRAFT_REQUIRE(model != nullptr && skin != nullptr);
-  // By the model, since its rest pose counts, too; it comes with one skin.
-  static WeakCache<hand::HandModel, hand::HandSolid> memory;
-  return memory.get(model, progress, [&] {
+  return handSolids().get(model, progress, [&] {
     return hand::keptSolid(*model, *skin, progress);
   });
+}
+
+void shareSolid(const std::shared_ptr<const hand::HandModel>& model,
+                const std::shared_ptr<const hand::HandSolid>& solid) {
+  HANDGRAFT_REQUIRE(model != nullptr && solid != nullptr);
+  static_cast<void>(handSolids().get(model, Progress(), [&] {
+    return solid;
+  }));
 }
 
 std::shared_ptr<const geometry::Solid> solidOf(

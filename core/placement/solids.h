@@ -21,6 +21,11 @@ std::shared_ptr<const hand::HandSolid> solidOf(
 std::shared_ptr<const geometry::Solid> solidOf(
     const std::shared_ptr<const geometry::TriangleMesh>& object_O, const Progress& progress);
 
+/// From now on `solid` is also that of `model`, a hand of the same surfaces and rest pose which
+/// differs in how far its joints go; unless that has one already.
+void shareSolid(const std::shared_ptr<const hand::HandModel>& model,
+                const std::shared_ptr<const hand::HandSolid>& solid);
+
 /// Nearest places on an object, shared likewise: as large as the object's mesh, or larger.
 /// Errors: InvalidInput if the mesh has no face. Cost: O(F log F) the first time.
 std::shared_ptr<const geometry::SurfaceLocator> locatorOf(

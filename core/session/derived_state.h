@@ -75,6 +75,10 @@ struct Solution {
 std::ptrdiff_t failedPatches(const optimize::PoseProblem& posed,
                              const optimize::SolveReport& solved);
 
+/// Patches that count and are dropped or missed, then the objective; points that are lost count
+/// as if they were far off. Less is better.
+std::pair<std::ptrdiff_t, double> worthOf(const Solution& solution);
+
 /// All that follows from a document and is dear to make: charts, laid patches, directions and
 /// starts that were found. What it answers depends on the document alone, never on what was
 /// asked before.

@@ -84,6 +84,15 @@ std::ptrdiff_t failedPatches(const PoseProblem& posed, const SolveReport& solved
   return std::ssize(optimize::missedPatches(posed, solved));
 }
 
+std::pair<std::ptrdiff_t, double> worthOf(const Solution& solution) {
+  const auto dropped = std::count_if(solution.patches.begin(), solution.patches.end(),
+                                     [](const SessionPatch& item) {
+                                       return !item.placement && item.patch.weight > 0.0;
+                                     });
+  return {dropped + failedPatches(solution.problem, solution.report),
+          costOf(solution.problem, solution.report)};
+}
+
 /// While it lives, patches are laid as drafts: half of a slide's time went into exact charts.
 struct DerivedState::Drafts {
   explicit Drafts(DerivedState& owner) : derived(owner) { derived.uses_drafts_ = true; }
@@ -225,11 +234,8 @@ Solution DerivedState::solve(const SolverSettings& solving,
   usual.starts = optimize::kDefaultStarts;
   Solution best = solveOnce(solving, run, progress);
   Solution other = solveOnce(usual, run, progress);
-  const auto worth_of = [](const Solution& one) {
-    return Worth(failedPatches(one.problem, one.report), costOf(one.problem, one.report));
-  };
   const int evaluations = best.report.evaluations + other.report.evaluations;
-  if (worth_of(other) < worth_of(best)) best = std::move(other);
+  if (session::worthOf(other) < session::worthOf(best)) best = std::move(other);
   best.solving = solving;
   best.report.evaluations = evaluations;
   return best;

@@ -216,8 +216,8 @@ class Sweep {
     forEach(pool, combinations.size() * grasps_.size(), [&](std::size_t i) {
       const std::size_t combination = combinations[i / grasps_.size()];
       const std::size_t grasp = i % grasps_.size();
-      rows_[combination * grasps_.size() + grasp] =
-          solveRow(combination, grasp, laid[grasp], laid_motions[grasp], solid);
+      rows_[combination * grasps_.size() + grasp] = solveRow(
+          combination, grasp, laid[grasp], laid_motions[grasp], bent ? &*bent : nullptr, solid);
       tell("sweeping", rows_.size());
     });
   }
@@ -231,11 +231,12 @@ class Sweep {
     return surfaces;
   }
 
-  /// `solid`: the hand's, of this shape.
+  /// `bent`, if any, and `solid`: the hand's, of this shape.
   SweepRow solveRow(std::size_t combination,
                     std::size_t grasp,
                     const TransferredGrasp& laid,
                     const LaidSweepMotion& laid_motion,
+                    const transfer::Surfaces* bent,
                     const std::shared_ptr<const hand::HandSolid>& solid) {
     progress_.checkpoint();
     SweepRow row;
@@ -246,10 +247,10 @@ class Sweep {
     row.error = is_motion ? laid_motion.error : laid.error;
     if (!row.error.empty()) return row;
     try {
-      const hand::HandVariant variant =
-          hand::makeVariant(*hand_.model, hand_.model->name(),
-                            changesOf(axes_, combinations_[combination], Which::kAll),
-                            hand::VariantSurfaces::kLeftOut);
+      const hand::HandVariant variant = hand::makeVariant(
+          *hand_.model, hand_.model->name(),
+          changesOf(axes_, combinations_[combination], Which::kAll),
+          is_motion ? hand::VariantSurfaces::kLeftOut : hand::VariantSurfaces::kStretched);
       const auto solids = std::make_shared<optimize::Avoidance>();
       solids->hand = solid;
       solids->object_O = placement::solidOf(grasps_[grasp].object_O, quiet_);
@@ -257,7 +258,7 @@ class Sweep {
       if (is_motion)
         solveMotionRow(motions_[grasp], laid_motion, variant, solids, quiet_, row);
       else
-        solveGrasp(bases_[grasp], laid, variant, solids, row);
+        solveGrasp(grasp, laid, variant, bent, solids, row);
       const std::chrono::duration<double, std::milli> spent =
           std::chrono::steady_clock::now() - begin;
       row.solve_ms = spent.count();
@@ -267,27 +268,32 @@ class Sweep {
     return row;
   }
 
-  void solveGrasp(const SweepBase& base,
+  /// The better of what a session finds that is opened on the variant, and of the places and
+  /// directions that the grasp has on the hand as it is.
+  void solveGrasp(std::size_t grasp,
                   const TransferredGrasp& laid,
                   const hand::HandVariant& variant,
+                  const transfer::Surfaces* bent,
                   const std::shared_ptr<const optimize::Avoidance>& solids,
                   SweepRow& row) {
-    if (laid.pairs.empty()) rejectInput("no patch has a point on the hand");
-    PoseProblem problem =
-        optimize::makeProblem(std::make_shared<const hand::HandModel>(variant.model));
-    problem.pairs = laid.pairs;
-    problem.weights = options_.weights;
-    problem.normal_form = options_.solving.normal_form;
-    problem.start = {base.solved.X_WH, hand::poseOfVariant(variant, base.solved.q)};
-    problem.prior = base.prior;  // also beyond a row's limits: all rows are pulled alike
-    problem.prior_weights = base.prior_weights;
-    if (options_.solving.avoids()) problem.avoidance = solids;
-    const optimize::SolveReport report =
-        optimize::solve(problem, solveOptions(options_.solving), quiet_);
-    fill(problem, base.patches, report, row);
+    hand::Hand hand = hand_;
+    hand.model = std::make_shared<const hand::HandModel>(variant.model);
+    hand.sites = hand::sitesOfVariant(variant, hand_.sites);
+    if (bent != nullptr) {
+      hand.skin = bent->skin;
+      hand.skin_maps = bent->skin_S;
+    }
+    placement::shareSolid(hand.model, solids->hand);
+    session::Solution best = solveAnew(hand, grasps_[grasp], options_, 1, quiet_);
+    if (!laid.pairs.empty()) {
+      session::Solution kept =
+          solveKept(bases_[grasp], laid, variant, solids, options_, quiet_);
+      best = std::move(betterOf(best, kept));
+    }
+    fill(best.problem, best.patches, best.report, row);
     row.depths =
-        quality::measureDepths(*problem.model, *solids->hand, *solids->object_O, report.pose,
-                               quiet_, session::contactSides(base.patches));
+        quality::measureDepths(*best.problem.model, *solids->hand, *solids->object_O,
+                               best.report.pose, quiet_, session::contactSides(best.patches));
   }
 
   /// One more of `count` is done.

@@ -87,12 +87,15 @@ inline constexpr std::size_t kMostSweepRows = 100'000;
 /// Solves every grasp with every combination of values; rows by combination, the first axis
 /// slowest, grasps fastest.
 ///
-/// Each grasp is first solved on the hand as it is. Where its patches lie on the skin, and
-/// which way, stays: a variant with other limits keeps the correspondences, one of another
-/// shape has the patches laid at the same places of its bent skin (hand/skin_bending.h), on
-/// charts of the object that are kept. Every row starts from that first pose (and from the
-/// starts of `solving`), with the prior that a fresh session has. So a row depends on its grasp
-/// and values alone: it is the same in every sweep, in any order, on any number of threads.
+/// A row is the better of two answers. One is that of a session opened on the variant: fingers
+/// dealt, places found and searched as ever. The other keeps where the grasp's patches lie on
+/// the skin of the hand as it is, and which way: on other limits the correspondences, on
+/// another shape the same places of its bent skin (hand/skin_bending.h), on charts of the
+/// object that are kept; it starts from the pose on the hand as it is (and from the starts of
+/// `solving`), with the prior that a fresh session has there. It stands unless the first one
+/// reaches more, or costs a hundredth less: below that, searches differ by themselves. So a row
+/// depends on its grasp and values alone: it is the same in every sweep, in any order, on any
+/// number of threads.
 ///
 /// A motion is followed offline, from what its base does and from nothing; the better of both.
 /// Distances of a motion are means over all its frames, `terms` the sum's objective alone.
@@ -101,8 +104,9 @@ inline constexpr std::size_t kMostSweepRows = 100'000;
 /// Errors: InvalidInput for no grasp, an axis without values, with values out of range or
 ///   without such a joint or link, one varied twice, more than kMostSweepRows rows, options out
 ///   of range. Cancelled on wish.
-/// Cost: a session's solve a grasp, then one solve a row (1-10 ms; of a motion 5 ms a frame);
-///   50 ms a variant of another shape, and about a millisecond a patch laid on it.
+/// Cost: a session's opening and solve a grasp, and a row (some 0.1 s; of a motion 5 ms a
+///   frame); 50 ms a variant of another shape, its solid some 0.3 s, and about a millisecond a
+///   patch laid on it.
 std::vector<SweepRow> sweep(const hand::Hand& hand,
                             const std::vector<SweepGrasp>& grasps,
                             const std::vector<SweepAxis>& axes,

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/optimize/solver.h"
 #include "core/sweep/sweep_places.h"
 #include "core/transfer/staged_transfer.h"
 
@@ -10,6 +11,8 @@ namespace handgraft::sweep {
 namespace {
 
 using optimize::PointPair;
+
+constexpr double kSmallGain = 0.01;  // of the objective: as good as none
 
 void append(const std::vector<transfer::Correspondence>& correspondences,
             int patch,
@@ -29,6 +32,20 @@ void append(const std::vector<transfer::Correspondence>& correspondences,
 
 }  // namespace
 
+session::Solution solveAnew(const hand::Hand& hand,
+                            const SweepGrasp& grasp,
+                            const SweepOptions& options,
+                            int threads,
+                            const Progress& progress,
+                            std::vector<std::string>* notes) {
+  session::Session session(hand, grasp.object_O, grasp.contacts, Pose::Identity(),
+                           options.weights, options.transfer);
+  if (notes != nullptr) *notes = session.notes();
+  session::SolveRun run;
+  run.threads = threads;
+  return session.solve(options.solving, run, progress);
+}
+
 SweepBase solveBase(const hand::Hand& hand,
                     const SweepGrasp& grasp,
                     const SweepOptions& options,
@@ -36,11 +53,8 @@ SweepBase solveBase(const hand::Hand& hand,
                     const Progress& progress) {
   SweepBase base;
   try {
-    session::Session session(hand, grasp.object_O, grasp.contacts, Pose::Identity(),
-                             options.weights, options.transfer);
-    session::SolveRun run;
-    run.threads = threads;
-    session::Solution solution = session.solve(options.solving, run, progress);
+    session::Solution solution =
+        solveAnew(hand, grasp, options, threads, progress, &base.notes);
     base.solved = solution.report.pose;
     base.patches = std::move(solution.patches);
     base.prior = solution.problem.prior;
@@ -86,6 +100,35 @@ TransferredGrasp layGrasp(const SweepBase& base,
     laid.error = error.what();
   }
   return laid;
+}
+
+session::Solution solveKept(const SweepBase& base,
+                            const TransferredGrasp& laid,
+                            const hand::HandVariant& variant,
+                            const std::shared_ptr<const optimize::Avoidance>& solids,
+                            const SweepOptions& options,
+                            const Progress& progress) {
+  if (laid.pairs.empty()) rejectInput("no patch has a point on the hand");
+  session::Solution solution;
+  optimize::PoseProblem& problem = solution.problem;
+  problem = optimize::makeProblem(std::make_shared<const hand::HandModel>(variant.model));
+  problem.pairs = laid.pairs;
+  problem.weights = options.weights;
+  problem.normal_form = options.solving.normal_form;
+  problem.start = {base.solved.X_WH, hand::poseOfVariant(variant, base.solved.q)};
+  problem.prior = base.prior;  // also beyond a row's limits: all rows are pulled alike
+  problem.prior_weights = base.prior_weights;
+  if (options.solving.avoids()) problem.avoidance = solids;
+  solution.report = optimize::solve(problem, solveOptions(options.solving), progress);
+  solution.patches = base.patches;
+  return solution;
+}
+
+session::Solution& betterOf(session::Solution& anew, session::Solution& kept) {
+  const auto [lacking_anew, cost_anew] = session::worthOf(anew);
+  const auto [lacking_kept, cost_kept] = session::worthOf(kept);
+  if (lacking_anew != lacking_kept) return lacking_anew < lacking_kept ? anew : kept;
+  return cost_anew < cost_kept - kSmallGain * kept.report.terms.objective ? anew : kept;
 }
 
 }  // namespace handgraft::sweep

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "core/base/progress.h"
+#include "core/hand/variant.h"
+#include "core/optimize/avoidance.h"
 #include "core/optimize/pose_problem.h"
 #include "core/session/session.h"
 #include "core/sweep/sweep.h"
@@ -14,7 +16,8 @@ namespace handgraft::sweep {
 
 /// A grasp on the hand as it is: what all its rows begin with.
 struct SweepBase {
-  std::string error;  ///< why there is none; the rest is empty then
+  std::string error;               ///< why there is none; the rest is empty then
+  std::vector<std::string> notes;  ///< as a session tells them
   std::vector<session::SessionPatch> patches;
   std::shared_ptr<const geometry::LogMapper> object_O;
   hand::HandPose solved;
@@ -28,6 +31,16 @@ SweepBase solveBase(const hand::Hand& hand,
                     const SweepOptions& options,
                     int threads,
                     const Progress& progress);
+
+/// What a session answers that is opened on `hand` with the grasp: where patches lie, which
+/// finger takes them and how the pose is searched is the session's alone.
+/// Errors: InvalidInput as a session's; Cancelled on wish.
+session::Solution solveAnew(const hand::Hand& hand,
+                            const SweepGrasp& grasp,
+                            const SweepOptions& options,
+                            int threads,
+                            const Progress& progress,
+                            std::vector<std::string>* notes = nullptr);
 
 /// Where the points of a grasp's patches lie on one shape of the hand, in pairs as a problem
 /// has them, the object's frame being the world.
@@ -43,5 +56,20 @@ TransferredGrasp layGrasp(const SweepBase& base,
                           const transfer::Surfaces* bent,
                           const transfer::TransferOptions& options,
                           const Progress& progress);
+
+/// The base's answer on a variant, each patch where the base has it: from the base's pose, and
+/// from the starts of `options`.
+/// Errors: InvalidInput if no patch has a point on the hand; Cancelled on wish.
+session::Solution solveKept(const SweepBase& base,
+                            const TransferredGrasp& laid,
+                            const hand::HandVariant& variant,
+                            const std::shared_ptr<const optimize::Avoidance>& solids,
+                            const SweepOptions& options,
+                            const Progress& progress);
+
+/// Which of both a row tells: `kept` unless `anew` drops or misses fewer patches, or costs less
+/// by more than searches differ by. So what is varied changes the rows, and none is worse than
+/// a session.
+session::Solution& betterOf(session::Solution& anew, session::Solution& kept);
 
 }  // namespace handgraft::sweep

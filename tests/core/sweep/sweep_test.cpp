@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "core/hand/skin_bending.h"
 #include "core/optimize/avoidance.h"
 #include "core/verdict/verdicts.h"
 
@@ -180,6 +181,47 @@ TEST(Sweep, WiderLimitsAreNeverWorse) {
   }
   EXPECT_GT(rows.front().terms.objective, 1.002 * rows[rows.size() - 2].terms.objective)
       << "the limit would not matter";
+}
+
+/// What a session answers that is opened on a hand with this change.
+session::Solution solutionOn(const hand::Hand& original,
+                             const SweepGrasp& grasp,
+                             const hand::HandChange& change) {
+  const hand::HandVariant variant =
+      hand::makeVariant(*original.model, original.model->name(), {change});
+  hand::Hand hand = original;
+  hand.model = std::make_shared<const hand::HandModel>(variant.model);
+  hand.skin = hand::SkinBending(original.model, original.skin).bent(variant);
+  hand.skin_maps = nullptr;
+  hand.sites = hand::sitesOfVariant(variant, original.sites);
+  session::Session session(hand, grasp.object_O, grasp.contacts, Pose::Identity(), {});
+  return session.solve({}, session::SolveRun(), Progress());
+}
+
+// Places that are kept from the hand as it is may be bad ones for another: a row lacks no more
+// than a session opened on it, and costs a hundredth more at most.
+TEST(Sweep, NoRowIsWorseThanASessionOnSuchAHand) {
+  hand::Hand hand = BallGrasp().hand();
+  hand.sites_are_found = true;  // so that places may slide
+  const std::vector<SweepGrasp> grasps = twoGrasps();
+  const std::vector<SweepAxis> axes = {{HandProperty::kUpper, "thumb_1", {-0.4, -0.2}},
+                                       {HandProperty::kUpper, "index_2", {0.1, 0.5}},
+                                       {HandProperty::kLength, "index_lower", {0.5, 0.7, 1.6}},
+                                       {HandProperty::kSize, "", {0.7, 1.4}}};
+  for (const SweepAxis& axis : axes) {
+    for (const SweepRow& row : sweep(hand, grasps, {axis}, {}, Progress())) {
+      ASSERT_EQ(row.error, "");
+      const session::Solution anew =
+          solutionOn(hand, grasps[static_cast<std::size_t>(row.grasp)],
+                     {axis.property, axis.target, row.values[0]});
+      const auto lacking = session::worthOf(anew).first;
+      ASSERT_LE(row.patch_count - row.reached_count, lacking)
+          << axis.target << " " << row.values[0];
+      if (row.patch_count - row.reached_count < lacking) continue;
+      EXPECT_LE(row.terms.objective, 1.01 * anew.report.terms.objective)
+          << axis.target << " " << row.values[0];
+    }
+  }
 }
 
 // Contacts of a hand and an object that are both twice as large fit as well, at twice the
