@@ -5,6 +5,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/input_files.h"
+#include "client/cli/study/study_notes.h"
 #include "client/cli/study/sweep_result.h"
 #include "client/link/client.h"
 #include "client/present/interactive_client.h"
@@ -122,6 +123,22 @@ std::vector<std::string> unitsOf(const std::vector<StudyAxis>& axes,
   return units;
 }
 
+/// The contact sets of the grasps as the server has them; of motions none.
+std::vector<StudyContacts> contactsOf(Client& server,
+                                      const v1::SweepRequest& request,
+                                      const SweepResult& result) {
+  std::vector<StudyContacts> contacts;
+  for (std::size_t i = 0; i < result.grasps.size(); ++i) {
+    if (result.grasps[i].isMotion()) continue;
+    contacts.push_back(
+        {result.grasps[i].label,
+         server.describe(v1::MODEL_CONTACTS, request.grasps()[i].contacts(), false)
+             .get()
+             .contacts()});
+  }
+  return contacts;
+}
+
 }  // namespace
 
 int run(const SweepOptions& options, const CommonOptions& common, Interruption& interruption) {
@@ -155,10 +172,14 @@ int run(const SweepOptions& options, const CommonOptions& common, Interruption& 
   const v1::HandDescription described =
       server.describe(v1::MODEL_HAND, request.hand(), false).get().hand();
   result.units = unitsOf(options.axes, described);
-  result.notes = notesOn(options.axes, described);
   request.grasps(send(server, sender, found.grasps, files, result));
   result.reply = server.sweep(request).get();
   requireConsistent(result);
+  // By now the hand's skin is made, and with it is known which side's hand it is.
+  result.notes = notesOn(server.describe(v1::MODEL_HAND, request.hand(), false).get().hand(),
+                         contactsOf(server, request, result));
+  for (const std::string& note : notesOn(options.axes, described))
+    result.notes.push_back(note);
 
   // === Results
   if (!options.out.empty()) writeFile(options.out, csvOf(result));

@@ -66,6 +66,11 @@ std::string lossText(const SweepResult& result,
     out += fmt::format("{} it the first patch is lost at {} ({})\n", way,
                        placeText(result, points[*point]), losersAt(result, *point, best));
   };
+  const bool reaches_any =
+      std::any_of(points.begin(), points.end(), [](const SweepPoint& point) {
+        return point.reached > 0.0;
+      });
+  if (!reaches_any) return "no patch is reached at any value\n";
   add("below", loss.below);
   add("above", loss.above);
   return out.empty() ? "no patch is lost on either side\n" : out;

@@ -131,6 +131,12 @@ TEST(SweepResult, LosesNoPatchWhereThereIsNoAnswer) {
   EXPECT_THAT(text::sweep(result), HasSubstr("no patch is lost on either side"));
 }
 
+TEST(SweepResult, SaysThatNothingIsReachedAnywhere) {
+  const SweepResult result = resultOf({{0.1, 14, 13, 0, 0}, {0.2, 12, 11, 0, 0}});
+  EXPECT_THAT(text::sweep(result), testing::AllOf(HasSubstr("no patch is reached at any value"),
+                                                  testing::Not(HasSubstr("no patch is lost"))));
+}
+
 TEST(SweepResult, TellsWhatIsAsGoodAsTheBest) {
   const SweepResult result = resultOf({{0.1, 1.0, 1.0, 3, 3},
                                        {0.2, 1.002, 1.004, 3, 3},
