@@ -49,9 +49,10 @@ CommandOutput Editor::replay(const fs::path& path) {
 }
 
 CommandOutput Editor::exportTo(const std::string& format, const fs::path& path) {
-  exportSession(server_, session_->id(), format, {"export", path});
-  const std::vector<std::string> notes =
-      beyondOwnLimits(server_.settings(session_->id()).get());
+  std::vector<std::string> notes =
+      exportSession(server_, session_->id(), format, {"export", path});
+  for (const std::string& note : beyondOwnLimits(server_.settings(session_->id()).get()))
+    notes.push_back(note);
   return {fmt::format("wrote {}\n{}", handgraft::quoted(path.string()), text::notes(notes)),
           {{"format", format}, {"file", path.string()}, {"notes", notes}}};
 }

@@ -1,6 +1,8 @@
 #include "client/present/export_file.h"
 
 #include <algorithm>
+#include <sstream>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -120,10 +122,19 @@ std::vector<std::string> beyondOwnLimits(const v1::SessionSettings& settings) {
   return notes;
 }
 
-void exportSession(Client& server,
-                   std::uint64_t session_id,
-                   const std::string& format,
-                   const NamedFile& file) {
+std::vector<std::string> notesIn(const std::string& isaac_grasp) {
+  constexpr std::string_view kNote = "# note: ";
+  std::vector<std::string> notes;
+  std::istringstream lines(isaac_grasp);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(kNote)) notes.push_back(line.substr(kNote.size()));
+  return notes;
+}
+
+std::vector<std::string> exportSession(Client& server,
+                                       std::uint64_t session_id,
+                                       const std::string& format,
+                                       const NamedFile& file) {
   requireWritable(file);
   v1::ExportRequest request;
   request.session_id(session_id);
@@ -134,7 +145,10 @@ void exportSession(Client& server,
                                 fs::absolute(file.path).parent_path(), {file.path})
                           .string());
   }
-  writeFile(file.path, server.exportSession(request).get());
+  const std::string content = server.exportSession(request).get();
+  writeFile(file.path, content);
+  return request.format() == v1::EXPORT_ISAAC_GRASP ? notesIn(content)
+                                                    : std::vector<std::string>();
 }
 
 }  // namespace handgraft::client

@@ -13,6 +13,8 @@ namespace {
 
 using nlohmann::json;
 
+const std::string kIsaacNote = "# note: ";
+
 std::string csvField(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string field = "\"";
@@ -45,7 +47,11 @@ std::string jointCsv(const PosedGrasp& grasp) {
   return text;
 }
 
-std::string isaacGraspYaml(const PosedGrasp& grasp, double confidence) {
+std::string isaacGraspYaml(const PosedGrasp& grasp,
+                           double confidence,
+                           const Eigen::VectorXd& q_before,
+                           const std::vector<std::string>& notes) {
+  HANDGRAFT_REQUIRE(q_before.size() == grasp.pose.q.size());
   HANDGRAFT_REQUIRE(confidence >= 0.0 && confidence <= 1.0);
   const hand::HandModel& model = *grasp.model;
   const Pose X_OH = inverse(grasp.X_WO) * grasp.pose.X_WH;
@@ -68,7 +74,9 @@ std::string isaacGraspYaml(const PosedGrasp& grasp, double confidence) {
     }
   };
   add_joints("cspace_position", grasp.pose.q);
-  add_joints("pregrasp_cspace_position", model.restPose());
+  add_joints("pregrasp_cspace_position", q_before);
+  for (const std::string& note : notes)
+    text += kIsaacNote + note + "\n";
   return text;
 }
 

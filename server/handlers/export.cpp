@@ -10,6 +10,7 @@
 #include "core/io/grasp_writer.h"
 #include "core/io/problem_file.h"
 #include "core/io/scene_writer.h"
+#include "core/placement/pregrasp.h"
 #include "idl/fields.h"
 #include "idl/grasp_file.h"
 #include "server/handlers/motions.h"
@@ -111,6 +112,20 @@ std::string jsonOf(LiveSession& live, const Progress& progress) {
   return idl::graspText(names, solution, patchReports(session));
 }
 
+std::string isaacGraspOf(LiveSession& live, const Standing& one, const Progress& progress) {
+  const placement::Pregrasp before =
+      placement::pregraspOf(live.session().hand(), one.grasp.object_O, one.grasp.X_WO,
+                            one.grasp.pose, one.solution.problem.pairs, progress);
+  std::vector<std::string> notes;
+  if (!before.is_clear) {
+    notes.push_back(
+        fmt::format("no pose before the grasp was found that is clear of the object: the hand "
+                    "is {:.1f} mm inside at pregrasp_cspace_position",
+                    1e3 * before.depth_m));
+  }
+  return io::isaacGraspYaml(one.grasp, io::confidenceOf(one.solution.report), before.q, notes);
+}
+
 /// It shows the pose that answers the last edit.
 bool isOfPoses(v1::ExportFormat format) {
   return format == v1::EXPORT_JSON || format == v1::EXPORT_CSV || format == v1::EXPORT_OBJ ||
@@ -132,7 +147,7 @@ std::string contentOf(LiveSession& live,
       return io::glbBytes(standingOf(live, progress).grasp);
     case v1::EXPORT_ISAAC_GRASP: {
       const Standing one = standingOf(live, progress);
-      return io::isaacGraspYaml(one.grasp, io::confidenceOf(one.solution.report));
+      return isaacGraspOf(live, one, progress);
     }
     case v1::EXPORT_PROBLEM:
       return problemOf(live, request, progress);

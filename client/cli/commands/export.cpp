@@ -34,8 +34,9 @@ int run(const ExportOptions& options, const CommonOptions& common, Interruption&
   if (options.format == kHtml) {
     writeFile(options.out, gateway::pageFile(server, session_id, page));
   } else {
-    exportSession(server, session_id, options.format, {"--out", options.out});
-    notes = beyondOwnLimits(server.settings(session_id).get());
+    notes = exportSession(server, session_id, options.format, {"--out", options.out});
+    for (const std::string& note : beyondOwnLimits(server.settings(session_id).get()))
+      notes.push_back(note);
   }
   if (common.json) {
     fmt::print("{}\n", json::written({{"session_id", session_id},

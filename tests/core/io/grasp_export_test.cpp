@@ -199,7 +199,10 @@ TEST(GraspExport, ConfidenceIsTheShareOfPointsWithinFiveMillimetres) {
 
 TEST(GraspExport, IsaacFileBringsTheHandBackToTheObject) {
   PosedGrasp grasp = bentGrasp();
-  const YAML::Node file = YAML::Load(isaacGraspYaml(grasp, 0.8));
+  const Eigen::VectorXd before = 0.5 * grasp.pose.q;
+  const std::string text = isaacGraspYaml(grasp, 0.8, before, {"it is not clear"});
+  EXPECT_TRUE(text.ends_with("\n# note: it is not clear\n"));
+  const YAML::Node file = YAML::Load(text);
   EXPECT_EQ(file["format"].as<std::string>(), "isaac_grasp");
   EXPECT_EQ(file["format_version"].as<double>(), 1.0);
   EXPECT_EQ(file["object_frame_link"].as<std::string>(), grasp.object);
@@ -216,18 +219,17 @@ TEST(GraspExport, IsaacFileBringsTheHandBackToTheObject) {
   const Pose X_WH = grasp.X_WO * X_OH;
   EXPECT_LT((X_WH.matrix() - grasp.pose.X_WH.matrix()).cwiseAbs().maxCoeff(), 1e-11);
 
-  const Eigen::VectorXd& rest = grasp.model->restPose();
   ASSERT_EQ(one["cspace_position"].size(), 6u);
   for (int dof = 0; dof < 6; ++dof) {
     const std::string name = grasp.model->dofJoint(dof).name;
     EXPECT_NEAR(one["cspace_position"][name].as<double>(), grasp.pose.q[dof], 1e-12);
-    EXPECT_NEAR(one["pregrasp_cspace_position"][name].as<double>(), rest[dof], 1e-12);
+    EXPECT_NEAR(one["pregrasp_cspace_position"][name].as<double>(), before[dof], 1e-12);
   }
 }
 
 TEST(GraspExport, IsaacFileHasNoExponents) {
   // PyYAML takes 1e-05 for text.
-  const std::string text = isaacGraspYaml(bentGrasp(), 0.0);
+  const std::string text = isaacGraspYaml(bentGrasp(), 0.0, bentGrasp().model->restPose());
   EXPECT_NE(text.find("0.000010000000"), std::string::npos);
   EXPECT_EQ(text.find("e-"), std::string::npos) << text;
 }
