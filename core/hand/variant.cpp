@@ -16,6 +16,8 @@ namespace {
 
 /// A link shorter than this has no length to speak of: its joints meet in one place.
 constexpr double kShortestLength = 1e-3;  // m
+/// A last link with less of its way across its joint's axis lies along that.
+constexpr double kAcross = 0.5;
 /// Room for a follower's limit beyond what its source permits: the division by its multiplier
 /// rounds.
 constexpr double kRoundOff = 1e-12;
@@ -183,6 +185,41 @@ class Draft {
     shape_changed = true;
   }
 
+  [[nodiscard]] bool isLast(const std::string& link) const {
+    return std::none_of(joints.begin(), joints.end(), [&](const Joint& joint) {
+      if (joint.parent_link != link) return false;
+      return joint.type != JointType::kFixed || !isLast(joint.child_link);
+    });
+  }
+
+  /// The moving joint that a link hangs by, itself or through fixed ones: its axis in L.
+  [[nodiscard]] std::optional<std::pair<JointType, Eigen::Vector3d>> ownJoint(
+      std::string link) const {
+    Eigen::Matrix3d R_LB = Eigen::Matrix3d::Identity();  // B: the link that is looked at
+    while (true) {
+      const auto own = std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) {
+        return joint.child_link == link;
+      });
+      if (own == joints.end()) return std::nullopt;
+      if (own->type != JointType::kFixed)
+        return std::pair(own->type, Eigen::Vector3d(R_LB * own->axis_J.normalized()));
+      R_LB = R_LB * own->X_PJ.linear().transpose();
+      link = own->parent_link;
+    }
+  }
+
+  /// Of a last link the finger's own direction: its surface may lie beside its joint, and what
+  /// stretches from joint to middle then tilts its faces. A jaw slides across itself, and a
+  /// finger that bends does so about an axis across itself: what leads along the axis is beside
+  /// it. A link that turns about itself, or slides out along itself, keeps its way.
+  [[nodiscard]] Eigen::Vector3d alongFinger(const Link& link,
+                                            const Eigen::Vector3d& way_L) const {
+    const auto own = isLast(link.name) ? ownJoint(link.name) : std::nullopt;
+    if (!own) return way_L;
+    const Eigen::Vector3d across_L = way_L - own->second.dot(way_L) * own->second;
+    return across_L.norm() < kAcross * way_L.norm() ? way_L : across_L;
+  }
+
   /// Which way a link runs from its own joint, a unit vector in L; nothing for one without
   /// length.
   [[nodiscard]] std::optional<Eigen::Vector3d> directionOf(int link) const {
@@ -201,7 +238,7 @@ class Draft {
                    : Eigen::Vector3d::Zero();
     }
     if (way.norm() < kShortestLength) return std::nullopt;
-    return way.normalized();
+    return alongFinger(one, way).normalized();
   }
 };
 

@@ -60,7 +60,9 @@ enum class VariantSurfaces { kStretched, kLeftOut };
 ///
 /// A limit of a joint is that of all that follows it: where a follower's own limit would be
 /// narrower, it gives way. A link's length runs towards the mean of its next joints; where
-/// these lie at its own joint, towards the middle of its surface. No change at all, and factors
+/// these lie at its own joint, towards the middle of its surface. A last link's runs across the
+/// axis of the joint that it slides or bends by, as its finger does, so that faces along the
+/// finger stay straight; unless it lies along that axis itself. No change at all, and factors
 /// of 1, give the same hand, bit for bit.
 ///
 /// Errors: InvalidInput names the joint or link and what is permitted: one that does not exist,

@@ -108,6 +108,58 @@ TEST(Variant, OfAnotherSizeMovesAsTheScaledHand) {
   }
 }
 
+/// A jaw whose box lies beside its slide: 12 mm thick, its gripping face in the plane y = 0.
+HandModel jawBy(JointType type, const Eigen::Vector3d& axis, double x = 0.0) {
+  Link palm{"palm", {}, {}};
+  palm.visuals.push_back({geometry::makeBox({0.06, 0.12, 0.05}), "box"});
+  Link finger{"finger", {}, {}};
+  finger.visuals.push_back(
+      {geometry::transformed(geometry::makeBox({0.022, 0.012, 0.07}),
+                             Eigen::Affine3d(Eigen::Translation3d(x, 0.006, 0.035))),
+       "box"});
+  Joint joint;
+  joint.name = "joint";
+  joint.type = type;
+  joint.parent_link = "palm";
+  joint.child_link = "finger";
+  joint.axis_J = axis;
+  joint.lower = 0.0;
+  joint.upper = 0.05;
+  return HandModel("jaw", {palm, finger}, {joint});
+}
+
+/// How far a finger twice as long reaches beyond the one as it is, by axis.
+Eigen::Vector3d grownBy(const HandModel& model) {
+  const HandVariant variant =
+      makeVariant(model, "long", {{HandProperty::kLength, "finger", 2.0}});
+  const auto extent = [](const HandModel& one) {
+    const auto& vertices = one.links()[1].visuals[0].mesh_L.vertices();
+    return Eigen::Vector3d(vertices.rowwise().maxCoeff() - vertices.rowwise().minCoeff());
+  };
+  return extent(variant.model) - extent(model);
+}
+
+// A jaw slides across itself: its faces stay where they are, and parallel.
+TEST(Variant, ALongerJawStaysStraight) {
+  const HandModel jaw = jawBy(JointType::kPrismatic, Eigen::Vector3d::UnitY());
+  EXPECT_TRUE(grownBy(jaw).isApprox(Eigen::Vector3d(0, 0, 0.07), 1e-12));
+  const HandVariant variant =
+      makeVariant(jaw, "long", {{HandProperty::kLength, "finger", 1.2}});
+  const auto& vertices = variant.model.links()[1].visuals[0].mesh_L.vertices();
+  EXPECT_NEAR(vertices.row(1).minCoeff(), 0.0, 1e-15) << "its gripping face";
+  EXPECT_NEAR(vertices.row(1).maxCoeff(), 0.012, 1e-15);
+}
+
+// What lies beside it along the axis that it bends about is width, no length.
+TEST(Variant, ALongerFingertipGrowsAcrossTheAxisThatItBendsAbout) {
+  const HandModel tip = jawBy(JointType::kRevolute, Eigen::Vector3d::UnitX(), 0.02);
+  EXPECT_NEAR(grownBy(tip).x(), 0.0, 1e-15);
+  const HandModel turning = jawBy(JointType::kRevolute, Eigen::Vector3d::UnitZ());
+  EXPECT_GT(grownBy(turning).z(), 0.06) << "one that turns about itself grows along that";
+  const HandModel telescope = jawBy(JointType::kPrismatic, Eigen::Vector3d::UnitZ());
+  EXPECT_GT(grownBy(telescope).z(), 0.06);
+}
+
 TEST(Variant, ALongerLinkMovesItsNextJointsAlongAndStretchesBetween) {
   const auto small = test::makeSmallHand();
   const HandVariant variant =
