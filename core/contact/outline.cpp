@@ -94,12 +94,12 @@ Eigen::Vector3d facingOf(const std::vector<Facing>& faces) {
 
 }  // namespace
 
-Region outlined(const TriangleMesh& mesh,
-                const Region& region,
-                const Eigen::VectorXd& value,
-                const Eigen::VectorXd& even,
-                const Eigen::VectorXd& areas,
-                const OutlineOptions& options) {
+std::vector<Region> outlined(const TriangleMesh& mesh,
+                             const Region& region,
+                             const Eigen::VectorXd& value,
+                             const Eigen::VectorXd& even,
+                             const Eigen::VectorXd& areas,
+                             const OutlineOptions& options) {
   const std::vector<int> vertices = verticesOf(mesh, region);
   const double top = topOf(vertices, value, areas);
   const double level = options.share * topOf(vertices, even, areas);
@@ -124,23 +124,35 @@ Region outlined(const TriangleMesh& mesh,
     marked[static_cast<std::size_t>(inside[i])] =
         facings[i].weight == 0.0 || facings[i].n_O.dot(n_O) > kTurned ? 1 : 0;
 
-  Region best;
-  double most_contact = 0.0;
-  double best_area = 0.0;
-  for (Region& part : connectedRegions(mesh, marked)) {
+  struct Part {
+    Region faces;
     double area = 0.0;
     double contact = 0.0;
-    for (const int f : part) {
+  };
+
+  std::vector<Part> parts;
+  for (Region& faces : connectedRegions(mesh, marked)) {
+    Part part;
+    for (const int f : faces) {
       const Eigen::Vector3i face = mesh.face(f);
-      area += areaOf(mesh, f);
-      contact += areaOf(mesh, f) * (value[face[0]] + value[face[1]] + value[face[2]]) / 3.0;
+      part.area += areaOf(mesh, f);
+      part.contact +=
+          areaOf(mesh, f) * (value[face[0]] + value[face[1]] + value[face[2]]) / 3.0;
     }
-    if (contact <= most_contact) continue;
-    most_contact = contact;
-    best_area = area;
-    best = std::move(part);
+    part.faces = std::move(faces);
+    parts.push_back(std::move(part));
   }
-  return best.empty() || best_area < options.minimum_area_m2 ? region : best;
+  std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
+    return a.contact > b.contact;
+  });
+  if (parts.empty() || parts.front().area < options.minimum_area_m2 ||
+      !(parts.front().contact > 0.0))
+    return {region};
+  std::vector<Region> outlines;
+  for (Part& part : parts)
+    if (outlines.empty() || part.area >= options.minimum_area_m2)
+      outlines.push_back(std::move(part.faces));
+  return outlines;
 }
 
 }  // namespace handgraft::contact

@@ -306,7 +306,7 @@ class Segmenter {
                                            component.area >= options_.minimum_area_m2);
       const std::string name =
           count == 0 ? group.name : fmt::format("{}_{}", group.name, count + 1);
-      if (is_patch && addPatch(name, component)) {
+      if (is_patch && addPatch(name, component, false)) {
         ++count;
       } else {
         dropped += component.area;
@@ -368,7 +368,7 @@ class Segmenter {
         continue;
       }
       const std::string name = fmt::format("c{}", count + 1);
-      if (!addPatch(name, component)) continue;
+      if (!addPatch(name, component, true)) continue;
       ++count;
       if (component.area > kLargestTouch) {
         note(
@@ -377,20 +377,43 @@ class Segmenter {
             name, mm2(component.area));
       }
     }
+    // Behind the others, whose names do not depend on them.
+    for (const Region& part : further_)
+      if (addPatch(fmt::format("c{}", count + 1), part)) ++count;
     if (specks > 0) {
       note("specks below {:.0f} mm2 dropped: {}", mm2(options_.minimum_area_m2), specks);
     }
   }
 
-  [[nodiscard]] Region touchingPart(const Component& component) const {
-    if (component.is_grown || options_.outline_share == 0.0) return component.faces;
+  /// One at least, that with most contact first.
+  [[nodiscard]] std::vector<Region> touchingParts(const Component& component) const {
+    if (component.is_grown || options_.outline_share == 0.0) return {component.faces};
     return outlined(map_.mesh_O, component.faces, map_.value, even_, areas_,
                     {options_.outline_share, options_.minimum_area_m2});
   }
 
-  bool addPatch(const std::string& name, const Component& component) {
+  /// The part with most contact; what its region has beside it becomes patches where nobody
+  /// says which finger touched, and is told of a finger, which touches once.
+  bool addPatch(const std::string& name, const Component& component, bool is_anonymous) {
+    std::vector<Region> parts = touchingParts(component);
+    if (!addPatch(name, parts.front())) return false;
+    if (is_anonymous) {
+      std::move(parts.begin() + 1, parts.end(), std::back_inserter(further_));
+    } else if (parts.size() > 1) {
+      double dropped = 0.0;
+      for (std::size_t i = 1; i < parts.size(); ++i)
+        for (const int f : parts[i])
+          dropped += areaOf(map_.mesh_O, f);
+      note(
+          "'{}': its outline falls into {} parts: the one with most contact was taken, {:.0f} "
+          "mm2 dropped",
+          name, parts.size(), mm2(dropped));
+    }
+    return true;
+  }
+
+  bool addPatch(const std::string& name, const Region& faces) {
     const TriangleMesh& mesh = map_.mesh_O;
-    const Region faces = touchingPart(component);
     OuterBoundary boundary = outerBoundary(mesh, faces);
     if (boundary.loop.empty()) {
       note("'{}' dropped: it covers a closed surface whole and has no boundary", name);
@@ -426,11 +449,34 @@ class Segmenter {
     return true;
   }
 
+  /// What is above the threshold, and is no patch even so.
+  [[nodiscard]] std::string whereItIsAbove() const {
+    const Group all{
+        "", aboveWithHysteresis(
+                map_.mesh_O, map_.value,
+                std::vector<char>(static_cast<std::size_t>(map_.mesh_O.vertexCount()), 1),
+                threshold_, threshold_)};
+    double largest = 0.0;
+    for (const Component& component : componentsOf(map_, all, 3))
+      largest = std::max(largest, component.area);
+    const double least = options_.minimum_area_m2;
+    if (largest == 0.0)
+      return "; but no face of the mesh is above it at all three corners: the mesh is coarse "
+             "there";
+    if (largest >= least) return "";  // the notes say why
+    return fmt::format(
+        "; but what is above it covers {:.3g} mm2 at most in one place, and the "
+        "least area of a patch is {:.3g} mm2",
+        mm2(largest), mm2(least));
+  }
+
   [[nodiscard]] std::string nothingLeft() const {
     const double most = map_.value.size() > 0 ? map_.value.maxCoeff() : 0.0;
     std::string message = fmt::format(
-        "contact map leaves no patch: its largest contact is {:.3g}, the threshold {:.3g}",
-        most, threshold_);
+        "contact map leaves no patch: its largest contact is {:.3g}, {} the "
+        "threshold {:.3g}",
+        most, most > threshold_ ? "above" : "not above", threshold_);
+    if (most > threshold_) message += whereItIsAbove();
     for (const std::string& remark : set_.notes)
       message += "; " + remark;
     return message;
@@ -442,6 +488,7 @@ class Segmenter {
   Eigen::VectorXd even_;   ///< values without noise
   Eigen::VectorXd areas_;  ///< of the vertices
   std::vector<Component> anonymous_;
+  std::vector<Region> further_;  ///< parts of those, beside the ones with most contact
   std::size_t point_count_ = 0;
   ContactSet set_;
 };

@@ -49,8 +49,11 @@ struct SegmentationOptions {
 /// theirs if it is less than 15 %. What is dropped is noted.
 ///
 /// Without labels, or where no segment's name says a finger, every component becomes a patch,
-/// named c1, c2, ... by falling area. A finger whose contact covers the minimum area, but no
-/// face whole, as on coarse meshes, gets all faces that it touches, with a note.
+/// named c1, c2, ... by falling area; one whose outline falls into several parts (two fingers
+/// whose contact runs together) gives one for each, those beside the first behind all others.
+/// Of a finger the part with most contact counts, and a note tells the rest. A finger whose
+/// contact covers the minimum area, but no face whole, as on coarse meshes, gets all faces that
+/// it touches, with a note.
 ///
 /// Errors: InvalidInput if the map or an option is wrong (named), or if nothing is left: then
 /// the

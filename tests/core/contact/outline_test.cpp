@@ -36,7 +36,8 @@ struct Touched {
 
   [[nodiscard]] Region outlinedWith(const OutlineOptions& options) const {
     Region inside = outlined(mesh, region, value, smoothed(mesh, value, kOutlineSmoothingSteps),
-                             vertexAreas(mesh), options);
+                             vertexAreas(mesh), options)
+                        .front();
     std::sort(inside.begin(), inside.end());
     return inside;
   }

@@ -223,6 +223,57 @@ TEST(Segment, TellsContactOnAnotherScale) {
   EXPECT_THAT(segment(map, options).notes, testing::IsEmpty());
 }
 
+/// Two peaks of 1, 30 mm apart, with 0.5 between them.
+ContactMap twoPeaks() {
+  ContactMap map = emptyMap();
+  for (int v = 0; v < map.mesh_O.vertexCount(); ++v) {
+    const Eigen::Vector3d p = map.mesh_O.vertex(v);
+    const double r = std::min((p - Eigen::Vector3d(0.015, 0, 0)).norm(),
+                              (p + Eigen::Vector3d(0.0151, 0, 0)).norm());
+    map.value[v] = std::max(p.norm() < 0.012 ? 0.5 : 0.0, 1.0 - r / 0.02);
+  }
+  return map;
+}
+
+TEST(Segment, MakesPatchesOfBothPartsThatAnOutlineLeaves) {
+  ContactMap map = twoPeaks();
+  touchDisk(map, 0.0, 0.04, 0.004);
+  const ContactSet set = segment(map, {});
+  ASSERT_THAT(namesOf(set), ElementsAre("c1", "c2", "c3"));
+  EXPECT_GT(positionOf(map.mesh_O, set.patches[1].root).y(), 0.03) << "keeps its name";
+  EXPECT_NEAR(std::abs(positionOf(map.mesh_O, set.patches[0].root).x() -
+                       positionOf(map.mesh_O, set.patches[2].root).x()),
+              0.030, 0.003);
+}
+
+TEST(Segment, TellsWhatAFingersOutlineLeavesOut) {
+  ContactMap map = twoPeaks();
+  map.segment_names = {"index_distal"};
+  map.label.assign(static_cast<std::size_t>(map.mesh_O.vertexCount()), 0);
+  const ContactSet set = segment(map, {});
+  EXPECT_THAT(namesOf(set), ElementsAre("index_distal"));
+  EXPECT_THAT(set.notes, testing::Contains(HasSubstr("outline falls into 2 parts")));
+}
+
+TEST(Segment, SaysWhyNothingIsLeftOfWhatIsAboveTheThreshold) {
+  const auto reason = [](const ContactMap& map) {
+    try {
+      segment(map, {});
+    } catch (const InvalidInput& error) {
+      return std::string(error.what());
+    }
+    return std::string("patches");
+  };
+  ContactMap map = emptyMap();
+  touchDisk(map, 0.0, 0.0, 0.0015);
+  EXPECT_THAT(reason(map),
+              testing::AllOf(HasSubstr("largest contact is 1, above the threshold"),
+                             HasSubstr("least area of a patch is 20 mm2")));
+  map.value.setZero();
+  map.value[5050] = 1.0;
+  EXPECT_THAT(reason(map), HasSubstr("no face of the mesh is above it at all three corners"));
+}
+
 TEST(Segment, SaysWhatThereWasWhenNothingIsLeft) {
   ContactMap map = emptyMap();
   touchDisk(map, 0.0, 0.0, 0.002);
