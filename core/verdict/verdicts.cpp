@@ -5,10 +5,13 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/base/error.h"
+#include "core/optimize/solver.h"
 #include "core/placement/solids.h"
 #include "core/session/derived_state.h"
+#include "core/session/pinned_points.h"
 
 namespace handgraft::verdict {
 
@@ -47,16 +50,56 @@ std::string atLimitText(const hand::HandModel& model,
   return text;
 }
 
-std::string outOfReachText(const PatchDiagnosis& patch, double mean_mm) {
+std::string outOfReachText(const PatchDiagnosis& patch,
+                           double mean_mm,
+                           const std::string& held) {
   const std::string text = fmt::format("{:.1f} mm off, {:.1f} too far", mean_mm, patch.miss_mm);
   if (patch.miss_mm + patch.alone_mm <= mean_mm) {
-    return fmt::format("{}; alone it would come to {:.1f} mm: the other patches keep it away",
-                       text, patch.alone_mm);
+    return fmt::format("{}; alone it would come to {:.1f} mm: {}", text, patch.alone_mm,
+                       held.empty() ? "the other patches keep it away"
+                                    : fmt::format("what is held at {} keeps it away", held));
   }
   return fmt::format("{}; even alone {:.1f} mm would remain", text, patch.alone_mm);
 }
 
-std::string textOf(const hand::HandModel& model, const PatchDiagnosis& patch, double mean_mm) {
+/// The mean distance that a patch comes to when nothing is asked for but it and what is held,
+/// mm.
+double besideWhatIsHeld(const optimize::PoseProblem& problem,
+                        const optimize::SolveReport& report,
+                        int patch,
+                        const Progress& progress) {
+  optimize::PoseProblem both = problem;
+  both.avoidance.reset();
+  std::erase_if(both.pairs, [patch](const optimize::PointPair& pair) {
+    return pair.patch != patch && pair.patch >= 0;
+  });
+  both.start = report.pose;
+  optimize::SolveOptions options;
+  options.starts = 1;
+  for (const optimize::PatchFit& fit : optimize::solve(both, options, progress).patches)
+    if (fit.patch == patch) return fit.mean_mm;
+  return 0.0;
+}
+
+/// The links at which the hand is held, if it is that what keeps a patch away which alone would
+/// be reached: it misses most of what it does when nothing else is asked for, either.
+std::string heldAgainst(const session::Session& session,
+                        const optimize::PoseProblem& problem,
+                        const optimize::SolveReport& report,
+                        const PatchDiagnosis& patch,
+                        double mean_mm,
+                        const Progress& progress) {
+  const std::vector<std::string> links = session::heldLinks(session.document());
+  if (links.empty() || patch.verdict != Verdict::kOutOfReach) return "";
+  const double beside_mm = besideWhatIsHeld(problem, report, patch.patch, progress);
+  if (beside_mm < 0.5 * (patch.alone_mm + mean_mm)) return "";
+  return fmt::format("{}", fmt::join(links, ", "));
+}
+
+std::string textOf(const hand::HandModel& model,
+                   const PatchDiagnosis& patch,
+                   double mean_mm,
+                   const std::string& held) {
   switch (patch.verdict) {
     case Verdict::kNone:
       return "switched off";
@@ -66,7 +109,7 @@ std::string textOf(const hand::HandModel& model, const PatchDiagnosis& patch, do
     case Verdict::kAtLimit:
       return atLimitText(model, patch, mean_mm);
     case Verdict::kOutOfReach:
-      return outOfReachText(patch, mean_mm);
+      return outOfReachText(patch, mean_mm, held);
     case Verdict::kFacingWrong:
       return fmt::format("near, {:.1f} mm off, but turned away by {:.0f} degrees", mean_mm,
                          patch.facing_deg);
@@ -194,7 +237,9 @@ Verdicts verdictsOf(const session::Session& session,
                                         [&](const MissingClearance& one) {
                                           return one.patch == patch.patch;
                                         });
-    std::string text = textOf(*problem.model, patch, report.patches[k].mean_mm);
+    const double mean_mm = report.patches[k].mean_mm;
+    std::string text = textOf(*problem.model, patch, mean_mm,
+                              heldAgainst(session, problem, report, patch, mean_mm, progress));
     if (clearance != findings.clearances.end() && patch.verdict != Verdict::kNone) {
       patch.verdict = Verdict::kNoClearance;
       patch.missing_clearance_m = clearance->missing_m;

@@ -22,7 +22,9 @@ struct Verdicts {
 /// A patch without clearance is not reached whatever the pose says: the pose enters the
 /// object. One that is asked for but has no point on the hand counts as not reached, and the
 /// line names it. One with less than a quarter of its points on the hand, or its root outside
-/// of its boundary, is judged as any other; text and line say so. The line also tells where two
+/// of its boundary, is judged as any other; text and line say so. Of one that alone would be
+/// reached the text says what keeps it away: what is held (a drag) where it is that, else the
+/// other patches. The line also tells where two
 /// and more are reached and press to one side, so that no forces within their friction cones
 /// (of a coefficient of 0.5) hold the object.
 ///

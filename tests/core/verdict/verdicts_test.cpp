@@ -65,6 +65,36 @@ TEST(Verdicts, NameTheLimitsThatKeepAFingerOpen) {
   }
 }
 
+// Somebody's own hold is no fault of the other patches.
+TEST(Verdicts, NameWhatIsHeldWhereThatKeepsAPatchAway) {
+  const test::BallGrasp grasp;
+  session::Session session = grasp.open();
+  solvedAndJudged(session);
+  session::DragEdit drag;
+  drag.link = "thumb_tip";
+  drag.target_W = Eigen::Vector3d(0.1, 0.0, 0.0);
+  session.apply(drag);
+  const Verdicts held = solvedAndJudged(session);
+  ASSERT_EQ(held.diagnosis.patches[0].verdict, Verdict::kOutOfReach);
+  EXPECT_THAT(held.texts[0], HasSubstr("what is held at thumb_tip keeps it away"));
+}
+
+// Nor is what is held in its place to blame where two patches want the same finger elsewhere.
+TEST(Verdicts, BlameNoHoldThatKeepsNothingAway) {
+  const test::BallGrasp grasp;
+  session::Session session = grasp.open();
+  const hand::HandPose pose = session.optimize({}, Progress()).pose;
+  session::DragEdit drag;  // to where it is
+  drag.link = "middle_tip";
+  const int link = session.hand().model->linkIndex("middle_tip");
+  drag.target_W =
+      hand::forwardKinematics(*session.hand().model, pose)[static_cast<std::size_t>(link)]
+          .translation();
+  session.apply(drag);
+  for (const std::string& text : solvedAndJudged(session).texts)
+    EXPECT_THAT(text, Not(HasSubstr("held")));
+}
+
 TEST(Verdicts, ASwitchedOffPatchIsNotCounted) {
   const test::BallGrasp grasp;
   session::Session session = grasp.open();
