@@ -284,12 +284,11 @@ class Sweep {
       hand.skin_maps = bent->skin_S;
     }
     placement::shareSolid(hand.model, solids->hand);
-    session::Solution best = solveAnew(hand, grasps_[grasp], options_, 1, quiet_);
-    if (!laid.pairs.empty()) {
-      session::Solution kept =
-          solveKept(bases_[grasp], laid, variant, solids, options_, quiet_);
-      best = std::move(betterOf(best, kept));
-    }
+    const session::Solution anew = solveAnew(hand, grasps_[grasp], options_, 1, quiet_);
+    std::optional<session::Solution> kept;
+    if (!laid.pairs.empty())
+      kept = solveKept(bases_[grasp], laid, variant, solids, options_, quiet_);
+    const session::Solution& best = kept ? betterOf(anew, *kept) : anew;
     fill(best.problem, best.patches, best.report, row);
     row.depths =
         quality::measureDepths(*best.problem.model, *solids->hand, *solids->object_O,

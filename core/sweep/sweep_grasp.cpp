@@ -124,7 +124,8 @@ session::Solution solveKept(const SweepBase& base,
   return solution;
 }
 
-session::Solution& betterOf(session::Solution& anew, session::Solution& kept) {
+const session::Solution& betterOf(const session::Solution& anew,
+                                  const session::Solution& kept) {
   const auto [lacking_anew, cost_anew] = session::worthOf(anew);
   const auto [lacking_kept, cost_kept] = session::worthOf(kept);
   if (lacking_anew != lacking_kept) return lacking_anew < lacking_kept ? anew : kept;

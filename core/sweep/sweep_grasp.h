@@ -70,6 +70,6 @@ session::Solution solveKept(const SweepBase& base,
 /// Which of both a row tells: `kept` unless `anew` drops or misses fewer patches, or costs less
 /// by more than searches differ by. So what is varied changes the rows, and none is worse than
 /// a session.
-session::Solution& betterOf(session::Solution& anew, session::Solution& kept);
+const session::Solution& betterOf(const session::Solution& anew, const session::Solution& kept);
 
 }  // namespace handgraft::sweep

@@ -214,6 +214,9 @@ TEST(Sweep, NoRowIsWorseThanASessionOnSuchAHand) {
       const session::Solution anew =
           solutionOn(hand, grasps[static_cast<std::size_t>(row.grasp)],
                      {axis.property, axis.target, row.values[0]});
+      EXPECT_EQ(row.patch_count, 3);
+      EXPECT_GT(row.point_count, 60);
+      EXPECT_GT(row.mean_mm, 0.0);
       const auto lacking = session::worthOf(anew).first;
       ASSERT_LE(row.patch_count - row.reached_count, lacking)
           << axis.target << " " << row.values[0];
