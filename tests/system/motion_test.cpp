@@ -122,12 +122,12 @@ TEST(Motion, ABoxIsPulledOffAShelfAndTurned) {
   // What is edited while it plays is taken up.
   const auto playing = service.start("handgraft", {"motion", "play", session, "--loop"});
   ASSERT_TRUE(playing->waitForText("looping")) << playing->err();
-  const Finished edited = service.client(
-      {"edit", session, "--script", written("weight.txt", "weight index 3\n")});
+  const Finished edited =
+      service.client({"edit", session, "--script", written("weight.txt", "weight index 3\n")});
   ASSERT_EQ(edited.exit_code, 0) << edited.err;
   EXPECT_TRUE(playing->waitForText("revision 1 is played from here on")) << playing->err();
   (void)service.client({"close", session});
-  EXPECT_EQ(playing->wait(), 1);
+  EXPECT_EQ(playing->wait(), 2);
   EXPECT_THAT(playing->err(), HasSubstr("session " + session));
 
   // A file of a motion is as good, on another hand and frame by frame.
