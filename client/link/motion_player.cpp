@@ -112,7 +112,12 @@ std::vector<double> JointInterpolation::at(double time_s) const {
   return joints;
 }
 
+bool ChangingWay::isChanging(Time now) const {
+  return before_ && std::chrono::duration<double>(now - since_).count() < kGoOver;
+}
+
 void ChangingWay::goOverTo(JointInterpolation way, Time now) {
+  HANDGRAFT_REQUIRE(!isChanging(now));
   if (way.duration() != now_.duration()) {
     rejectInput("the motion lasts {:g} s now, it was {:g} s: play it anew", way.duration(),
                 now_.duration());

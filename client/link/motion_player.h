@@ -85,7 +85,11 @@ class ChangingWay {
 
   [[nodiscard]] double duration() const { return now_.duration(); }
 
-  /// Errors: InvalidInput if its duration is another one.
+  /// Another one is taking over. A third one has to wait for it: from between two it would
+  /// jump.
+  [[nodiscard]] bool isChanging(Time now) const;
+
+  /// Errors: InvalidInput if its duration is another one; BrokenContract while it is changing.
   void goOverTo(JointInterpolation way, Time now);
 
   [[nodiscard]] std::vector<double> at(double time_s, Time now) const;

@@ -71,6 +71,7 @@ PlayedMotion::Found PlayedMotion::lookOnce(std::uint64_t known) {
 }
 
 std::string PlayedMotion::takeEdits(Time now) {
+  if (way_.isChanging(now)) return "";
   std::optional<Found> found;
   {
     const std::lock_guard lock(mutex_);

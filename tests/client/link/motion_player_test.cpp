@@ -107,6 +107,8 @@ TEST(ChangingWay, GoesOverToAnotherWithinHalfASecond) {
   way.goOverTo(JointInterpolation({frame(0, 0, {1}), frame(1, 2, {3})}), at(10));
   EXPECT_THAT(way.at(1.0, at(10)), ElementsAre(1));
   EXPECT_THAT(way.at(1.0, at(10.25)), ElementsAre(1.5));
+  EXPECT_TRUE(way.isChanging(at(10.25))) << "a third way would make it jump";
+  EXPECT_FALSE(way.isChanging(at(10.5)));
   EXPECT_THAT(way.at(1.0, at(10.5)), ElementsAre(2));
   EXPECT_THAT(way.at(2.0, at(99)), ElementsAre(3));
   EXPECT_THROW(way.goOverTo(JointInterpolation({frame(0, 0, {1}), frame(1, 3, {3})}), at(99)),
