@@ -10,6 +10,7 @@
 #include "core/base/limit_note.h"
 #include "core/geometry/tangent.h"
 #include "core/optimize/drag.h"
+#include "core/optimize/pose_solver.h"
 #include "core/session/edit_checks.h"
 #include "core/session/model_swap.h"
 #include "core/session/patch_matching.h"
@@ -183,6 +184,19 @@ class Editing {
     edited.document.start_is_known = true;
   }
 
+  /// From where a place that is let go had pulled the hand, nothing may lead back downhill: it
+  /// is searched for as if it had not been found yet.
+  void forgetAStartThatReachesNothing() {
+    derived_.transfer(progress_);
+    SolverSettings touching;
+    touching.avoid_penetration = false;
+    const optimize::PoseProblem posed = derived_.problem(touching);
+    optimize::SolveReport standing;
+    standing.pose = posed.start;
+    optimize::judge(posed, standing);
+    if (reachesNothing(posed, standing)) edited.document.start_is_known = false;
+  }
+
   DerivedState& derived_;
   ModelCache& cache_;
   const Progress& progress_;
@@ -310,6 +324,7 @@ void Editing::apply(const ReleaseEdit& edit) {
     rejectInput("link {} is not held; held are {}", quoted(edit.link),
                 fmt::join(heldLinks(document), ", "));
   }
+  if (document.held.empty()) forgetAStartThatReachesNothing();
 }
 
 void Editing::apply(const ChoiceEdit& edit) {

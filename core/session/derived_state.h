@@ -52,8 +52,8 @@ std::vector<quality::ContactSide> contactSides(const std::vector<SessionPatch>& 
 struct SolveRun {
   int threads = 1;
   /// Roots and directions that nobody chose stay where the last solve left them, as in the
-  /// paper's way: for what follows an edit, which is to stay where it was put. Unless nothing
-  /// is reached from there, and no place is held: then the search is a whole one.
+  /// paper's way: for what follows an edit, which is to stay where it was put. Unless the
+  /// start is not known and nothing is reached from there: then the search is a whole one.
   bool places_stay = false;
   /// As optimize::SolveOptions.
   std::function<void(const hand::HandPose&, const optimize::Terms&)> on_improvement;
@@ -74,6 +74,9 @@ struct Solution {
 /// Patches that an answer misses: all of them where the hand is inside the object.
 std::ptrdiff_t failedPatches(const optimize::PoseProblem& posed,
                              const optimize::SolveReport& solved);
+
+/// None of the patches that count is reached.
+bool reachesNothing(const optimize::PoseProblem& posed, const optimize::SolveReport& solved);
 
 /// Patches that count and are dropped or missed, then the objective; points that are lost count
 /// as if they were far off. Less is better.

@@ -59,13 +59,6 @@ bool searchesWidely(const SolveOptions& options) {
   return options.starts > optimize::kFewStarts;
 }
 
-bool reachesNothing(const PoseProblem& posed, const SolveReport& report) {
-  std::set<int> asked;
-  for (const optimize::PointPair& pair : posed.pairs)
-    if (pair.weight > 0.0) asked.insert(pair.patch);
-  return !asked.empty() && optimize::missedPatches(posed, report).size() == asked.size();
-}
-
 }  // namespace
 
 SolveOptions stepOf(SolveOptions options) {
@@ -82,6 +75,16 @@ std::ptrdiff_t failedPatches(const PoseProblem& posed, const SolveReport& solved
   const auto all = std::ssize(solved.patches);
   if (isInside(solved)) return all;
   return std::ssize(optimize::missedPatches(posed, solved));
+}
+
+bool reachesNothing(const PoseProblem& posed, const SolveReport& solved) {
+  std::set<int> asked;
+  for (const optimize::PointPair& pair : posed.pairs)
+    if (pair.patch >= 0 && pair.weight > 0.0) asked.insert(pair.patch);
+  if (asked.empty()) return false;
+  for (const int missed : optimize::missedPatches(posed, solved))
+    asked.erase(missed);
+  return asked.empty();
 }
 
 std::pair<std::ptrdiff_t, double> worthOf(const Solution& solution) {
@@ -254,8 +257,7 @@ Solution DerivedState::solveOnce(const SolverSettings& solving,
   if (solving.paper || run.places_stay) {
     const PoseProblem posed = problem(solving);
     SolveReport standing = optimize::solve(posed, options, progress);
-    // Where a place that was let go had pulled the hand away, nothing leads back.
-    if (solving.paper || !document_.held.empty() || !reachesNothing(posed, standing))
+    if (solving.paper || document_.start_is_known || !reachesNothing(posed, standing))
       return answered(std::move(standing), solving);
     options.starts = std::max(options.starts, optimize::kDefaultStarts);
   }

@@ -95,6 +95,16 @@ TEST(PinnedPoint, ThatIsLetGoFarFromTheObjectGivesTheHandBack) {
   EXPECT_LT(missedNow(), dragged);
 }
 
+TEST(PinnedPoint, ThatIsLetGoWhileTheHandTouchesGivesBackNoMoreThanItsPlace) {
+  const BallGrasp grasp;
+  Session session = grasp.open();
+  answered(session);
+  const Vector3d before_W = placeOf(session, "index_tip", tip_L);
+  session.apply(DragEdit{"index_tip", tip_L, before_W + Vector3d(0.002, 0.0, 0.0)});
+  session.apply(ReleaseEdit{});
+  EXPECT_TRUE(session.document().start_is_known) << "from where the hand stands";
+}
+
 TEST(PinnedPoint, OfWeightZeroIsTakenBackByTheNextSolve) {
   const BallGrasp grasp;
   Session session = grasp.open();

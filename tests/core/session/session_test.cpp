@@ -204,6 +204,26 @@ TEST(Session, CountsAHandInsideAsOneThatReachesNothing) {
             std::ssize(solution.report.patches));
 }
 
+/// Edits of a grasp that is lost were each answered by a whole search: 300 ms in place of 4.
+TEST(Session, AnswersAnEditByFewStepsWhereNothingIsReachedEither) {
+  Session session = BallGrasp().open();
+  session.optimize({}, Progress());
+  optimize::PriorShares where_it_is;
+  where_it_is.root_rotation = where_it_is.root_translation = 1e12;
+  session.apply(PriorSharesEdit{where_it_is});
+  Pose away = Pose::Identity();
+  away.translation().x() = 0.4;
+  session.apply(ObjectPoseEdit{away});
+  SolverSettings brief;
+  brief.starts = 2;  // as a server after an edit
+  SolveRun run;
+  run.places_stay = true;
+  const Solution lost = session.solve(brief, run, Progress());
+  ASSERT_TRUE(reachesNothing(lost.problem, lost.report));
+  const Solution whole = session.solve({}, {}, Progress());
+  EXPECT_LT(10 * lost.report.evaluations, whole.report.evaluations);
+}
+
 TEST(Session, FindsTheFingersOfAnonymousPatches) {
   Session session = BallGrasp({"c1", "c2", "c3"}, true).open();
   // One patch is opposed to the two others: that one is the thumb's.
