@@ -26,12 +26,15 @@ double deepestOf(const LinkSolid& solid,
                  Inside& inside,
                  const Progress& progress) {
   double deepest = 0.0;
+  const Eigen::Matrix3d R_OL = X_OL.linear();
+  const Vector3d p_OL = X_OL.translation();
   solid.fine.visit(
       [&](const Vector3d& centre_L, double radius) {
-        return object_O.isClear(X_OL * centre_L, radius);
+        return object_O.isClear(p_OL + R_OL.lazyProduct(centre_L), radius);
       },
       [&](const hand::SurfaceSample& sample) {
-        const Vector3d p_O = X_OL * sample.p_L;
+        const Vector3d p_O = p_OL + R_OL.lazyProduct(sample.p_L);
+        if (object_O.isClear(p_O, object_O.spacing())) return;
         // The grid rounds edges by half a spacing; inside the object it only has to find them.
         const double guess = object_O.at(p_O);
         if (guess > object_O.spacing()) return;
@@ -83,9 +86,12 @@ struct Shared {
 Shared sharedWith(const LinkSolid& solid, const DistanceGrid& object_O, const Pose& X_OL) {
   // A plane is shared out over one cell's width, whichever way it lies.
   const double h = solid.grid_L->spacing();
+  const Eigen::Matrix3d R_OL = X_OL.linear();
+  const Vector3d p_OL = X_OL.translation();
   Shared shared;
   for (const DistanceGrid::Cell& cell : solid.cells_L) {
-    const Vector3d p_O = X_OL * cell.p;
+    const Vector3d p_O = p_OL + R_OL.lazyProduct(cell.p);
+    if (object_O.isClear(p_O, 0.5 * h)) continue;
     const double distance = object_O.at(p_O);
     const double inside = std::min(1.0, 0.5 - distance / h);
     if (inside <= 0.0) continue;
@@ -99,7 +105,7 @@ Shared sharedWith(const LinkSolid& solid, const DistanceGrid& object_O, const Po
     Vector3d slope_L;
     static_cast<void>(object_O.at(p_O, slope_O));
     static_cast<void>(solid.grid_L->at(cell.p, slope_L));
-    shared.volume_m3 += sharedBy(cell.share, inside, slope_O.dot(X_OL.linear() * slope_L));
+    shared.volume_m3 += sharedBy(cell.share, inside, slope_O.dot(R_OL * slope_L));
   }
   shared.volume_m3 *= h * h * h;
   return shared;
