@@ -89,9 +89,18 @@ Shared sharedWith(const LinkSolid& solid, const DistanceGrid& object_O, const Po
   const Eigen::Matrix3d R_OL = X_OL.linear();
   const Vector3d p_OL = X_OL.translation();
   Shared shared;
+  // Cells lie in rows: one that is far off says as much of those beside it.
+  Vector3d clear_L = Vector3d::Zero();
+  double clear_m = 0.0;
   for (const DistanceGrid::Cell& cell : solid.cells_L) {
-    const Vector3d p_O = p_OL + R_OL.lazyProduct(cell.p);
-    if (object_O.isClear(p_O, 0.5 * h)) continue;
+    if ((cell.p - clear_L).squaredNorm() < clear_m * clear_m) continue;
+    const Vector3d p_O = p_OL + R_OL * cell.p;
+    const double clearance = object_O.clearance(p_O, 0.5 * h, 0.0);
+    if (clearance > 0.0) {
+      clear_L = cell.p;
+      clear_m = clearance;
+      continue;
+    }
     const double distance = object_O.at(p_O);
     const double inside = std::min(1.0, 0.5 - distance / h);
     if (inside <= 0.0) continue;
