@@ -63,7 +63,8 @@ void AvoidanceTerm::chargeObject(const Vector3d& p_WH) {
   for (std::size_t k = 0; k < places_.size(); ++k) {
     const Place& place = places_[k];
     const LinkSolid& solid = solids[k];
-    if (object_O.isClear(p_OH + R_OW * place.centre_W, solid.radius)) continue;
+    const Vector3d centre_O = p_OH + R_OW * place.centre_W;
+    if (object_O.isClear(centre_O, solid.radius)) continue;
     Pose X_OL;
     X_OL.linear() = R_OW * place.R_WL;
     X_OL.translation() = p_OH + R_OW * place.arm_W;
@@ -80,17 +81,17 @@ void AvoidanceTerm::chargeObject(const Vector3d& p_WH) {
                               R_OW.transpose() * slope_O, avoidance_.margin_m - distance,
                               sample.area_m2 / Avoidance::kPointArea});
         });
-    chargeWalls(k, X_OL);
+    chargeWalls(k, X_OL, centre_O);
   }
 }
 
-void AvoidanceTerm::chargeWalls(std::size_t link, const Pose& X_OL) {
+void AvoidanceTerm::chargeWalls(std::size_t link, const Pose& X_OL, const Vector3d& centre_O) {
   const Place& place = places_[link];
   const LinkSolid& solid = avoidance_.hand->links()[link];
   const Pose X_LO = inverse(X_OL);
   // What of the walls is in the link lies in the link's ball, wherever that was in the object.
   near_.of_walls[link].visit(
-      {*solid.grid_L, avoidance_.margin_m - solid.skin_offset, X_OL * solid.centre_L,
+      {*solid.grid_L, avoidance_.margin_m - solid.skin_offset, centre_O,
        solid.radius + solid.grid_L->spacing()},
       X_LO,
       [&](const auto& passes, const auto& take) {
@@ -142,7 +143,8 @@ void AvoidanceTerm::charge(int a, int b, NearSamples& near) {
   // What touches lies in the balls of both.
   const bool is_smaller = solid.radius < other.radius;
   const Vector3d centre_A =
-      is_smaller ? solid.centre_L : Vector3d(inverse(X_BA) * other.centre_L);
+      is_smaller ? solid.centre_L
+                 : Vector3d(place.R_WL.transpose() * (other_place.centre_W - place.arm_W));
   near.visit(
       {*other.for_links_L, avoidance_.self_margin_m - other.skin_offset, centre_A,
        std::min(solid.radius, other.radius) + other.for_links_L->spacing()},

@@ -52,7 +52,7 @@ class AvoidanceTerm {
   }
 
   void chargeObject(const Eigen::Vector3d& p_WH);
-  void chargeWalls(std::size_t link, const Pose& X_OL);
+  void chargeWalls(std::size_t link, const Pose& X_OL, const Eigen::Vector3d& centre_O);
   void chargeItself();
   void charge(int a, int b, NearSamples& near);
 

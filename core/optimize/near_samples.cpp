@@ -9,8 +9,9 @@ double motionOf(const Pose& from,
                 const Eigen::Vector3d& centre,
                 double radius) {
   // A rotation's difference from another one has two equal singular values and no third.
-  const double turn = (to.linear() - from.linear()).norm() / std::numbers::sqrt2;
-  return (to * centre - from * centre).norm() + turn * radius;
+  const Eigen::Matrix3d turned = to.linear() - from.linear();
+  const Eigen::Vector3d moved = to.translation() - from.translation();
+  return (turned * centre + moved).norm() + turned.norm() / std::numbers::sqrt2 * radius;
 }
 
 void NearLists::forget() {
