@@ -70,6 +70,17 @@ void publishUndiagnosed(LiveSession& live,
                        std::make_shared<UndiagnosedPose>(std::move(pose)));
 }
 
+/// A patch that nobody reached by going on may well be reachable: a search of the whole took
+/// the built-in claw from 2 of 3 patches to 3, and a hand of four fingers from 1 of 4 to 4.
+bool mayMissTooMuch(const UndiagnosedPose& pose, const v1::PoseSolution& diagnosed) {
+  return pose.goes_on && std::any_of(diagnosed.patches().begin(), diagnosed.patches().end(),
+                                     [](const v1::PatchFit& fit) {
+                                       const v1::Verdict verdict = fit.diagnosis().verdict();
+                                       return verdict != v1::VERDICT_NONE &&
+                                              verdict != v1::VERDICT_REACHED;
+                                     });
+}
+
 /// Publishes the pose that is out once more, diagnosed.
 void publishDiagnosed(LiveSession& live, UndiagnosedPose& pose, const Progress& progress) {
   progress.checkpoint();
@@ -77,6 +88,10 @@ void publishDiagnosed(LiveSession& live, UndiagnosedPose& pose, const Progress& 
   const Clock::time_point begin = Clock::now();
   v1::PoseSolution diagnosed = pose.message;
   diagnose(live.session(), pose.problem, pose.report, live.fit_check, diagnosed, progress);
+  if (mayMissTooMuch(pose, diagnosed)) {
+    diagnosed.verdict(diagnosed.verdict() +
+                      "; this goes on from the pose before the edit: 'solve' searches anew");
+  }
   pose.report_ms += msSince(begin);
   diagnosed.times(timesOf(live, pose, solids_ms));
   pose.message = live.publish(std::move(diagnosed));
@@ -172,6 +187,7 @@ void solveAndTake(LiveSession& live,
   if (live.journal) live.journal->keep(io::entryText(committed));
   pose.message = solutionMessage(session, pose.report);
   pose.problem = *session.solvedProblem();
+  pose.goes_on = places_stay;
   pose.report_ms = msSince(solved);
   publishUndiagnosed(live, solving, std::move(pose));
 }

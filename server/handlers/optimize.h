@@ -16,6 +16,7 @@ struct UndiagnosedPose {
   v1::PoseSolution message;  ///< as it was published
   optimize::PoseProblem problem;
   optimize::SolveReport report;
+  bool goes_on = false;  ///< from the pose before, as after an edit: no search of the whole
   // What the stages took.
   double transfer_ms = 0.0;
   double sizes_ms = 0.0;  ///< of looking, before the first search, whether the hand fits

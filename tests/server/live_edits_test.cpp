@@ -16,6 +16,7 @@ namespace handgraft::server {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 TEST_F(LiveEdits, TellEveryoneWhatWasEditedAndByWhom) {
   const std::uint64_t session = openSolved();
@@ -71,6 +72,20 @@ TEST_F(LiveEdits, SendThePoseFirstAndItsDiagnosisAfterIt) {
                             diagnosis.facing_deg() <= v1::REACHED_FACING_DEG;
     EXPECT_EQ(diagnosis.verdict() == v1::VERDICT_REACHED, is_reached) << diagnosis.text();
   }
+}
+
+TEST_F(LiveEdits, SayThatASolveSearchesAnewWhereAPatchIsMissed) {
+  const std::uint64_t session = openSolved();
+  ASSERT_EQ(apply(session, limit(-0.4)).error(), v1::ERROR_NONE);
+  readyAt(1);
+  const v1::PoseSolution gone_on = finalsOf(bus, 1).back();
+  ASSERT_TRUE(std::any_of(gone_on.patches().begin(), gone_on.patches().end(),
+                          [](const v1::PatchFit& fit) {
+                            return fit.diagnosis().verdict() != v1::VERDICT_REACHED;
+                          }));
+  EXPECT_THAT(gone_on.verdict(), HasSubstr("'solve' searches anew"));
+  const v1::Reply anew = bus.ask(test::optimize(session));
+  EXPECT_THAT(anew.body().solution().verdict(), Not(HasSubstr("searches anew")));
 }
 
 TEST(Contract, TellsWhatCountsAsReached) {
