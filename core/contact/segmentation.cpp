@@ -32,6 +32,8 @@ constexpr double kSliver = 0.15;
 constexpr double kNoise = 5e-6;  // m^2
 // Of one segment of a finger; a thumb's pad has some 600 mm2.
 constexpr double kLargestTouch = 8e-4;  // m^2
+// Nor a hand so much of an object: what is painted is what was not touched, or all of it.
+constexpr double kNoTouch = 0.5;
 
 /// `index` and `proximal` of `index_proximal_2`; `index` and nothing of `index`.
 std::pair<std::string, std::string> splitPart(const std::string& part) {
@@ -370,7 +372,13 @@ class Segmenter {
       const std::string name = fmt::format("c{}", count + 1);
       if (!addPatch(name, component, true)) continue;
       ++count;
-      if (component.area > kLargestTouch) {
+      if (component.area > kNoTouch * areas_.sum()) {
+        note(
+            "'{}' covers {:.0f} % of the object, which no hand does: is contact where the map "
+            "is "
+            "low, or are its colours of another scale, or of none?",
+            name, 100.0 * component.area / areas_.sum());
+      } else if (component.area > kLargestTouch) {
         note(
             "'{}' covers {:.0f} mm2, more than one finger touches: where the joints of the "
             "hand that touched are known, they part it",

@@ -14,9 +14,11 @@ namespace handgraft::contact {
 namespace {
 
 using geometry::positionOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::ThrowsMessage;
 
 constexpr double kStep = 0.001;
@@ -84,6 +86,17 @@ TEST(Segment, TellsOfARegionThatNoSingleFingerTouches) {
   touchDisk(map, 0.02, 0.0, 0.018);
   EXPECT_THAT(segment(map, {}).notes,
               ElementsAre(testing::AllOf(HasSubstr("'c1' covers"), HasSubstr("joints"))));
+}
+
+TEST(Segment, SuspectsAMapThatHasMostOfTheObjectTouched) {
+  ContactMap map = emptyMap();
+  touchDisk(map, 0.01, 0.02, 0.012);
+  const ContactSet painted = segment(map, {});
+  EXPECT_THAT(painted.notes, Not(Contains(HasSubstr("which no hand does"))));
+  map.value = 1.0 - map.value.array();
+  const ContactSet inverted = segment(map, {});
+  EXPECT_THAT(inverted.notes, Contains(HasSubstr("'c1' covers 9")));
+  EXPECT_THAT(inverted.notes, Contains(HasSubstr("which no hand does")));
 }
 
 TEST(Segment, EndsAPatchWhereContactFallsBelowAShareOfItsTop) {
