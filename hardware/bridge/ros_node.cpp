@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "hardware/bridge/inbox.h"
 #include "idl/fields.h"
+#include "idl/motor_power.h"
 #include "idl/topics.h"
 
 namespace handgraft::bridge {
@@ -125,7 +126,11 @@ class Service {
     Response response;
     response.client_guid(who.client_guid);
     response.sequence_number(who.sequence_number);
-    response.success(!is_refused && is_done && (!homes || status.homed()));
+    // Who asks for the motors to be off must not take what nobody knows for it.
+    const bool is_known =
+        (verb_.kind != v1::COMMAND_DISARM && verb_.kind != v1::COMMAND_ESTOP) ||
+        idl::isPowerKnown(status);
+    response.success(!is_refused && is_done && is_known && (!homes || status.homed()));
     response.message(is_refused ? status.last_refusal() : status.reason());
     replies_.write(response);
     who.is_answered = true;

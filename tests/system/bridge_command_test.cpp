@@ -83,6 +83,20 @@ TEST_F(BridgeCommand, ArmsDisarmsStopsAndResets) {
   EXPECT_EQ(status().at("last_refusal"), "") << "what was refused before is no news";
 }
 
+TEST_F(BridgeCommand, SaysThatNobodyKnowsWhetherALostDeviceIsOff) {
+  start();
+  ASSERT_EQ(ask({"arm"}).exit_code, 0) << bench.told();
+  bench.rig().wire().unplug();
+  ASSERT_TRUE(bench.status(v1::BRIDGE_FAULT)) << bench.told();
+  for (const char* action : {"disarm", "estop"}) {
+    const Finished asked = ask({action});
+    EXPECT_EQ(asked.exit_code, 1) << action;
+    EXPECT_NE(asked.err.find("whether the motors are off is not known"), std::string::npos)
+        << action << ": " << asked.err;
+  }
+  EXPECT_EQ(status().at("state"), "estop");
+}
+
 TEST_F(BridgeCommand, RecordsARunThatCanBeDrawn) {
   start();
   ASSERT_EQ(ask({"arm"}).exit_code, 0) << bench.told();

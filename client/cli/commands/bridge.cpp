@@ -8,6 +8,7 @@
 #include "client/present/interruption.h"
 #include "core/base/error.h"
 #include "idl/fields.h"
+#include "idl/motor_power.h"
 
 namespace handgraft::client {
 
@@ -127,13 +128,19 @@ int run(const BridgeOptions& options, const CommonOptions& common, Interruption&
   for (const v1::BridgeStatus& bridge : bridges)
     is_done = is_done && isDone(options.action, bridge);
   fmt::print("{}", common.json ? statusJson(bridges) + "\n" : statusText(bridges));
-  if (is_done) return 0;
+  const bool switches_off =
+      options.action == Action::kEstop || options.action == Action::kDisarm;
   for (const v1::BridgeStatus& bridge : bridges) {
-    if (isDone(options.action, bridge)) continue;
-    fmt::print(stderr, "handgraft: bridge {} did not do it: {}\n", bridge.bridge_id(),
-               whyNotText(bridge));
+    if (!isDone(options.action, bridge)) {
+      fmt::print(stderr, "handgraft: bridge {} did not do it: {}\n", bridge.bridge_id(),
+                 whyNotText(bridge));
+    } else if (switches_off && !idl::isPowerKnown(bridge)) {
+      // Who scripts a stop must not take it for one.
+      is_done = false;
+      fmt::print(stderr, "handgraft: {}\n", powerNotKnownText(bridge));
+    }
   }
-  return 1;
+  return is_done ? 0 : 1;
 }
 
 }  // namespace handgraft::client

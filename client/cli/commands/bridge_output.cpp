@@ -4,6 +4,7 @@
 
 #include "client/present/json_output.h"
 #include "idl/fields.h"
+#include "idl/motor_power.h"
 
 namespace handgraft::client {
 
@@ -13,15 +14,12 @@ std::string age(double seconds) {
   return seconds < 0 ? "never" : fmt::format("{:.2f} s ago", seconds);
 }
 
-// `powered` is what the device says, and one that is gone says nothing.
 std::string motorsText(const v1::BridgeStatus& bridge) {
   if (bridge.powered()) return "under power";
-  if (bridge.fault() == v1::FAULT_WIRE || bridge.fault() == v1::FAULT_SILENT)
-    return "not known whether they are off: cut their power";
-  // A bridge without a hand has no motors yet.
-  if (bridge.state() == v1::BRIDGE_DISCONNECTED && !bridge.hand().empty())
-    return "not known whether they are off: there is no device";
-  return "off";
+  if (idl::isPowerKnown(bridge)) return "off";
+  return bridge.state() == v1::BRIDGE_DISCONNECTED && bridge.fault() == v1::FAULT_NONE
+             ? "not known whether they are off: there is no device"
+             : "not known whether they are off: cut their power";
 }
 
 std::string paragraph(const v1::BridgeStatus& bridge) {
@@ -62,6 +60,13 @@ std::string paragraph(const v1::BridgeStatus& bridge) {
 }
 
 }  // namespace
+
+std::string powerNotKnownText(const v1::BridgeStatus& bridge) {
+  return fmt::format(
+      "bridge {} does as told, but its device may not have heard of it: whether the motors are "
+      "off is not known, cut their power ({})",
+      bridge.bridge_id(), bridge.reason());
+}
 
 std::string statusText(const std::vector<v1::BridgeStatus>& bridges) {
   std::string text;

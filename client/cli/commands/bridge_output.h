@@ -7,6 +7,9 @@
 
 namespace handgraft::client {
 
+/// What to tell who had motors switched off of which nobody knows whether they are.
+std::string powerNotKnownText(const v1::BridgeStatus& bridge);
+
 /// For people: a paragraph a bridge.
 std::string statusText(const std::vector<v1::BridgeStatus>& bridges);
 

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "idl/motor_power.h"
+
 namespace handgraft::client {
 namespace {
 
@@ -39,6 +41,20 @@ TEST(BridgeOutput, SaysWhatADeviceThatIsThereSaysOfItsMotors) {
   v1::BridgeStatus without_hand = statusOf(v1::BRIDGE_DISCONNECTED);
   without_hand.hand("");
   EXPECT_THAT(statusText({without_hand}), HasSubstr("motors  off"));
+}
+
+TEST(BridgeOutput, KnowsWhoseMotorsNobodyKnowsToBeOff) {
+  for (const v1::BridgeFault fault : {v1::FAULT_WIRE, v1::FAULT_SILENT}) {
+    for (const v1::BridgeState state :
+         {v1::BRIDGE_FAULT, v1::BRIDGE_ESTOP, v1::BRIDGE_DISCONNECTED})
+      EXPECT_FALSE(idl::isPowerKnown(statusOf(state, fault)));
+  }
+  EXPECT_FALSE(idl::isPowerKnown(statusOf(v1::BRIDGE_DISCONNECTED)));
+  EXPECT_TRUE(idl::isPowerKnown(statusOf(v1::BRIDGE_IDLE)));
+  EXPECT_TRUE(idl::isPowerKnown(statusOf(v1::BRIDGE_ESTOP, v1::FAULT_HARDWARE)));
+  v1::BridgeStatus without_hand = statusOf(v1::BRIDGE_DISCONNECTED);
+  without_hand.hand("");
+  EXPECT_TRUE(idl::isPowerKnown(without_hand));
 }
 
 TEST(BridgeOutput, TellsOnceThatZerosAreNotKnown) {

@@ -4,6 +4,7 @@
 
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_serdata.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "hardware/bridge/ros_node.h"
@@ -189,6 +190,44 @@ TEST_F(RosWire, ServicesAreTheBytesThatRosExpects) {
   EXPECT_EQ(bytesOf({"rr/handgraft_bridge/armReply", idl::Qos::kService, idl::kRosTriggerHash},
                     std_srvs_srv_dds__Trigger_Response__desc, response),
             golden(kGoldenResponse));
+}
+
+TEST_F(RosWire, ServicesHaveNoSuccessWhereNobodyKnowsWhetherMotorsAreOff) {
+  const auto bell = std::make_shared<WakeEvent>();
+  RosNode node(
+      participant, "", 1, [](v1::HandCommandKind) {}, bell);
+  const idl::cyclone::Participant other({domain.number(), "lo"});
+  const auto nameOf = [](const char* kind, const char* ending) {
+    return fmt::format("{}/handgraft_bridge/estop{}", kind, ending);
+  };
+  const std::string asked = nameOf("rq", "Request");
+  const std::string told = nameOf("rr", "Reply");
+  idl::cyclone::Writer<std_srvs::srv::dds_::Trigger_Request_> requests(
+      other, {asked.c_str(), idl::Qos::kService, idl::kRosTriggerHash});
+  idl::cyclone::Reader<std_srvs::srv::dds_::Trigger_Response_> replies(
+      other, {told.c_str(), idl::Qos::kService, idl::kRosTriggerHash});
+  const auto successOf = [&](v1::BridgeFault fault, std::int64_t number) {
+    v1::BridgeStatus status;
+    status.state(v1::BRIDGE_ESTOP);
+    status.fault(fault);
+    std_srvs::srv::dds_::Trigger_Request_ request;
+    request.client_guid(4711);
+    request.sequence_number(number);
+    std::optional<bool> success;
+    for (int i = 0; i < 600 && !success; ++i) {
+      // A match is not readiness: a request may be lost.
+      if (i % 30 == 0) requests.write(request);
+      node.serve(status, std::chrono::steady_clock::now());
+      replies.wait(std::chrono::milliseconds(100));
+      replies.take([&](const std_srvs::srv::dds_::Trigger_Response_& reply) {
+        if (reply.sequence_number() == number) success = reply.success();
+      });
+    }
+    return success;
+  };
+  EXPECT_EQ(successOf(v1::FAULT_NONE, 1), true);
+  EXPECT_EQ(successOf(v1::FAULT_WIRE, 2), false);
+  EXPECT_EQ(successOf(v1::FAULT_SILENT, 3), false);
 }
 
 TEST_F(RosWire, TheTypeIsNamedAsRosNamesIt) {
