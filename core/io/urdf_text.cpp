@@ -313,4 +313,21 @@ UrdfText prepareUrdf(const std::string& text, bool with_shapes) {
   return result;
 }
 
+std::map<std::string, double> effortLimitsOf(const std::string& urdf_text) {
+  std::map<std::string, double> efforts;
+  XMLDocument source;
+  if (source.Parse(urdf_text.data(), urdf_text.size()) != tinyxml2::XML_SUCCESS ||
+      source.RootElement() == nullptr)
+    return efforts;
+  for (const XMLElement* joint = source.RootElement()->FirstChildElement("joint");
+       joint != nullptr; joint = joint->NextSiblingElement("joint")) {
+    std::istringstream words(attributeOf(joint->FirstChildElement("limit"), "effort"));
+    words.imbue(std::locale::classic());
+    double effort = 0.0;
+    if (words >> effort && std::isfinite(effort) && effort >= 0.0)
+      efforts.emplace(attributeOf(joint, "name"), effort);
+  }
+  return efforts;
+}
+
 }  // namespace handgraft::io

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -34,6 +35,11 @@ struct UrdfText {
 /// joint types, one of hand::kJointNumbers that is no number, a planar or floating joint that
 /// mimics, more than kMostUrdfLinks links or joints, names longer than kLongestUrdfName.
 UrdfText prepareUrdf(const std::string& text, bool with_shapes);
+
+/// What `<limit effort>` says of each joint that has one, by the joint's name: N, or N m. A
+/// hand keeps no efforts; whoever writes its URDF anew takes them from its own. Errors: none;
+/// what cannot be read has none.
+std::map<std::string, double> effortLimitsOf(const std::string& urdf_text);
 
 /// A humanoid has a few hundred; some of what is asked of a hand costs their square.
 inline constexpr int kMostUrdfLinks = 2000;

@@ -60,7 +60,7 @@ const char* typeOf(const hand::Joint& joint) {
 }
 
 /// The attributes of each element that says numbers of a joint, <limit> among them.
-std::map<std::string, std::string> numberElements(const hand::Joint& joint) {
+std::map<std::string, std::string> numberElements(const hand::Joint& joint, double effort) {
   std::map<std::string, std::string> attributes;
   const bool is_limited = std::isfinite(joint.lower) && std::isfinite(joint.upper);
   // A slider without a range is one without a limit.
@@ -75,14 +75,12 @@ std::map<std::string, std::string> numberElements(const hand::Joint& joint) {
     attributes[number.urdf_element] +=
         fmt::format(" {}=\"{}\"", number.urdf_attribute, joint.*number.value);
   }
-  // URDF demands it.
-  if (const auto limit = attributes.find("limit");
-      limit != attributes.end() && limit->second.find(" effort=") == std::string::npos)
-    limit->second += " effort=\"0\"";
+  if (const auto limit = attributes.find("limit"); limit != attributes.end())
+    limit->second += fmt::format(" effort=\"{}\"", effort);
   return attributes;
 }
 
-std::string jointText(const hand::Joint& joint) {
+std::string jointText(const hand::Joint& joint, double effort) {
   const Eigen::Vector3d p = joint.X_PJ.translation();
   const Eigen::Vector3d rpy = rollPitchYaw(joint.X_PJ.linear());
   std::string out = fmt::format(
@@ -93,7 +91,7 @@ std::string jointText(const hand::Joint& joint) {
   if (joint.type != hand::JointType::kFixed) {
     out += fmt::format("    <axis xyz=\"{} {} {}\"/>\n", joint.axis_J.x(), joint.axis_J.y(),
                        joint.axis_J.z());
-    for (const auto& [element, attributes] : numberElements(joint))
+    for (const auto& [element, attributes] : numberElements(joint, effort))
       out += fmt::format("    <{}{}/>\n", element, attributes);
   }
   if (joint.mimic) {
@@ -106,14 +104,20 @@ std::string jointText(const hand::Joint& joint) {
 
 }  // namespace
 
-std::string kinematicUrdfText(const hand::HandModel& model, const std::string& comment) {
+std::string kinematicUrdfText(const hand::HandModel& model,
+                              const std::string& comment,
+                              const std::map<std::string, double>& efforts) {
   HANDGRAFT_REQUIRE(comment.find("--") == std::string::npos);
+  const auto effortOf = [&](const hand::Joint& joint) {
+    const auto told = efforts.find(joint.name);
+    return told == efforts.end() ? 0.0 : told->second;
+  };
   std::string out = fmt::format("<?xml version=\"1.0\"?>\n<!-- {} -->\n<robot name=\"{}\">\n",
                                 comment, escaped(model.name()));
   for (const hand::Link& link : model.links())
     out += fmt::format("  <link name=\"{}\"/>\n", escaped(link.name));
   for (const hand::Joint& joint : model.joints())
-    out += jointText(joint);
+    out += jointText(joint, effortOf(joint));
   return out + "</robot>\n";
 }
 

@@ -8,6 +8,7 @@
 #include "core/base/content_hash.h"
 #include "core/base/limit_note.h"
 #include "core/hand/variant.h"
+#include "core/io/urdf_text.h"
 #include "core/io/urdf_writer.h"
 #include "idl/json.h"
 #include "server/handlers/enter_model.h"
@@ -74,9 +75,11 @@ StoredHand variantHand(const v1::VariantRequest& request, const StoredHand& pare
   stored.name = request.name();
   stored.origin.content = contentOf(request, parent);
   stored.urdf = io::kinematicUrdfText(
-      variant->model, fmt::format("Links and joints of a variant of hand '{}', written by "
-                                  "handgraft; no meshes",
-                                  parent.name));
+      variant->model,
+      fmt::format("Links and joints of a variant of hand '{}', written by "
+                  "handgraft; no meshes",
+                  parent.name),
+      io::effortLimitsOf(parent.urdf));
   stored.notes = parent.notes;
   stored.notes.push_back(
       fmt::format("a variant of hand {}{}{}; its skin is that hand's{}",

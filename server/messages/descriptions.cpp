@@ -13,6 +13,7 @@
 #include "core/io/contact_file.h"
 #include "core/io/motion_file.h"
 #include "core/io/sites_file.h"
+#include "core/io/urdf_text.h"
 #include "core/io/urdf_writer.h"
 #include "core/retargeting/motion_solving.h"
 #include "idl/fields.h"
@@ -234,7 +235,8 @@ std::string urdfOf(const StoredHand& hand) {
   if (!hand.mirrored) return hand.urdf;
   return io::kinematicUrdfText(
       hand.hand->model(),
-      "Links and joints of a mirrored hand, written by handgraft; no meshes");
+      "Links and joints of a mirrored hand, written by handgraft; no meshes",
+      io::effortLimitsOf(hand.urdf));
 }
 
 v1::HandDescription describe(const StoredHand& hand,

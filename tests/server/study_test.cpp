@@ -94,6 +94,7 @@ TEST_F(StudyTest, AVariantIsAHandAsAnyOther) {
   std::ofstream(path) << hand.urdf();
   const hand::HandModel read = io::readUrdfKinematics(path);
   EXPECT_EQ(read.name(), "wide");
+  EXPECT_NE(hand.urdf().find("effort=\"1\""), std::string::npos) << hand.urdf();
   EXPECT_EQ(read.upper()[0], 0.9);
   EXPECT_NEAR(read.joints()[0].X_PJ.translation().y(), 0.075, 1e-12);
 

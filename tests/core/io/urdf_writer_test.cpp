@@ -10,6 +10,7 @@
 #include "core/hand/kinematics.h"
 #include "core/hand/mirror.h"
 #include "core/io/urdf_file.h"
+#include "core/io/urdf_text.h"
 
 #include "tests/support/shared_data.h"
 
@@ -105,6 +106,22 @@ TEST(KinematicUrdf, KeepsJointsOfAllKindsAtAllAngles) {
   joints[4].lower = -10.0;
   joints[4].upper = 10.0;
   expectSameHand(hand::HandModel("odd <&> \"hand\"", links, joints));
+}
+
+TEST(KinematicUrdf, KeepsTheEffortsThatItIsTold) {
+  std::vector<hand::Joint> joints{
+      jointAt("a", "root", hand::JointType::kRevolute, Eigen::Matrix3d::Identity()),
+      jointAt("b", "after a", hand::JointType::kRevolute, Eigen::Matrix3d::Identity())};
+  for (hand::Joint& joint : joints) {
+    joint.lower = 0.0;
+    joint.upper = 1.0;
+  }
+  const hand::HandModel model(
+      "two", {{"root", {}, {}}, {"after a", {}, {}}, {"after b", {}, {}}}, joints);
+  const std::string text = kinematicUrdfText(model, "written by a test", {{"b", 0.85}});
+  EXPECT_EQ(effortLimitsOf(text), (std::map<std::string, double>{{"a", 0.0}, {"b", 0.85}}));
+  EXPECT_TRUE(
+      effortLimitsOf("<robot><joint name=\"a\"><limit effort=\"much\"/></joint>").empty());
 }
 
 TEST(KinematicUrdf, DescribesTheMirroredHand) {
