@@ -18,6 +18,8 @@ struct GraspResult {
   std::optional<v1::Weights> weights;  ///< that it was solved with; empty: not known
   double total_ms = 0.0;               ///< from the first request to the last reply
   bool kept = false;                   ///< the session lives on
+  /// Of the hand that touched; unknown where nobody tells, or it was not asked for.
+  v1::Chirality touched = v1::CHIRALITY_UNKNOWN;
 
   // === What else was waited for
   double server_ms = 0.0;  ///< until a server answered that was looked for, or started

@@ -338,13 +338,47 @@ std::string titleOf(const v1::SessionState& session,
                      hand.mirrored() ? " (mirrored)" : "", does, nameCalled(session.object()));
 }
 
-std::string reachedText(const v1::PoseSolution& solution) {
+namespace {
+
+struct ReachedCount {
   int asked = 0;
   int reached = 0;
+};
+
+ReachedCount countOfReached(const v1::PoseSolution& solution) {
+  ReachedCount count;
   for (const v1::PatchFit& patch : solution.patches()) {
-    asked += patch.diagnosis().verdict() != v1::VERDICT_NONE ? 1 : 0;
-    reached += patch.diagnosis().verdict() == v1::VERDICT_REACHED ? 1 : 0;
+    count.asked += patch.diagnosis().verdict() != v1::VERDICT_NONE ? 1 : 0;
+    count.reached += patch.diagnosis().verdict() == v1::VERDICT_REACHED ? 1 : 0;
   }
+  return count;
+}
+
+/// Where nobody knows of two hands whether they are the same one, who is far from reaching
+/// anything may have the other. A claw takes what either touched.
+std::vector<std::string> mirrorHints(const GraspResult& result) {
+  constexpr std::size_t kClawDigits = 3;
+  const bool is_touched_known = result.touched != v1::CHIRALITY_UNKNOWN;
+  const bool is_hand_known = result.hand.chirality() != v1::CHIRALITY_UNKNOWN;
+  if ((is_touched_known && is_hand_known) || result.hand.digits().size() <= kClawDigits ||
+      !isLessThanHalfReached(result.solution))
+    return {};
+  return {
+      fmt::format("less than half of the patches is reached, and {}: --mirror, with the "
+                  "hand's URDF, tries the other side",
+                  is_touched_known ? "whether this is a right or a left hand is not known"
+                                   : "whether a right or a left hand touched is not known")};
+}
+
+}  // namespace
+
+bool isLessThanHalfReached(const v1::PoseSolution& solution) {
+  const auto [asked, reached] = countOfReached(solution);
+  return 2 * reached < asked;
+}
+
+std::string reachedText(const v1::PoseSolution& solution) {
+  const auto [asked, reached] = countOfReached(solution);
   return fmt::format("{} of {} patch{} reached", reached, asked, asked == 1 ? "" : "es");
 }
 
@@ -382,6 +416,7 @@ std::string grasp(const GraspResult& result) {
   out += losses(result.transfer.patches(), result.kept ? solution.session_id() : 0);
   out += notes(result.hand.notes());
   out += notes(furtherNotes(result.transfer));
+  out += notes(mirrorHints(result));
 
   out +=
       fmt::format("objective {:.6g} ({}), {} by {} after {} evaluations\n",

@@ -29,6 +29,9 @@ std::string titleOf(const v1::SessionState& session,
 /// "2 of 3 patches reached", of a solution that is diagnosed.
 std::string reachedText(const v1::PoseSolution& solution);
 
+/// What the mirrored hand might change: see `grasp`.
+bool isLessThanHalfReached(const v1::PoseSolution& solution);
+
 /// One line each, without a line break.
 std::string stateLine(const v1::SessionState& state);
 /// "on the way" while the solve goes on, "pose" once it ended, "solution" once that is

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/base/side_note.h"
 #include "core/contact/touching_side.h"
 #include "core/geometry/tangent.h"
 #include "core/placement/hand_pose_guess.h"
@@ -157,13 +158,8 @@ void matchByGeometry(const Models& models, Document& document, const Progress& p
 
 void noteTheOtherSide(const Models& models, hand::Chirality of_hand, Document& document) {
   const hand::Chirality touched = contact::touchingSide(*models.contacts, *models.object_O);
-  using hand::Chirality;
-  if (touched == Chirality::kUnknown || of_hand == Chirality::kUnknown || touched == of_hand)
-    return;
-  document.notes.push_back(
-      fmt::format("a {} hand touched, and this is a {} one: its mirror may reach more (load "
-                  "its URDF with --mirror)",
-                  nameOf(touched), nameOf(of_hand)));
+  if (std::string note = otherSideNote(nameOf(touched), nameOf(of_hand)); !note.empty())
+    document.notes.push_back(std::move(note));
 }
 
 }  // namespace

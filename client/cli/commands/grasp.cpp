@@ -124,6 +124,13 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
     result.weights = settings.weights();
   result.hand =
       server.describe(v1::MODEL_HAND, request.hand(), !options.png.empty()).get().hand();
+  // Whose contacts they are matters where it may be the other hand's.
+  if (text::isLessThanHalfReached(result.solution)) {
+    result.touched = server.describe(v1::MODEL_CONTACTS, request.contacts(), false)
+                         .get()
+                         .contacts()
+                         .demonstrator();
+  }
   const Clock::time_point end = Clock::now();
   result.total_ms = msBetween(begin, end);
   result.kept = options.keep && !server.isPrivate();

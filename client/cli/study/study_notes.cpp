@@ -6,23 +6,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/base/side_note.h"
+
 namespace handgraft::client {
 
 namespace {
 
-const char* nameOf(v1::Chirality side) {
+std::string nameOf(v1::Chirality side) {
+  if (side == v1::CHIRALITY_UNKNOWN) return "";
   return side == v1::CHIRALITY_LEFT ? "left" : "right";
-}
-
-/// As a session says it (core/session/patch_matching.cpp).
-std::string otherSideNote(v1::Chirality touched, v1::Chirality of_hand) {
-  if (touched == v1::CHIRALITY_UNKNOWN || of_hand == v1::CHIRALITY_UNKNOWN ||
-      touched == of_hand)
-    return "";
-  return fmt::format(
-      "a {} hand touched, and this is a {} one: its mirror may reach more (load its URDF with "
-      "--mirror)",
-      nameOf(touched), nameOf(of_hand));
 }
 
 }  // namespace
@@ -41,7 +33,8 @@ std::vector<std::string> notesOn(const v1::HandDescription& hand,
   for (const StudyContacts& one : contacts) {
     for (const std::string& note : one.described.notes())
       tell(note, one.label);
-    const std::string other = otherSideNote(one.described.demonstrator(), hand.chirality());
+    const std::string other =
+        otherSideNote(nameOf(one.described.demonstrator()), nameOf(hand.chirality()));
     if (!other.empty()) tell(other, one.label);
   }
   std::vector<std::string> notes = hand.notes();

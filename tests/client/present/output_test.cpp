@@ -106,6 +106,25 @@ TEST(RankedMinima, AreInTheDocumentWithTheirPoses) {
   EXPECT_NEAR(minima[1]["turned_deg"], 90.0, 1e-9);
 }
 
+TEST(GraspText, HintsAtTheOtherSideWhereNobodyKnowsWhoTouchedAndLittleIsReached) {
+  GraspResult result = exampleGrasp();
+  result.hand.digits().resize(5);
+  result.hand.chirality(v1::CHIRALITY_RIGHT);
+  result.solution.patches().resize(1);
+  result.solution.patches()[0].diagnosis().verdict(v1::VERDICT_OUT_OF_REACH);
+  const auto hint = HasSubstr("--mirror, with the hand's URDF, tries the other side");
+  EXPECT_THAT(text::grasp(result), hint);
+  result.touched = v1::CHIRALITY_RIGHT;
+  EXPECT_THAT(text::grasp(result), Not(hint)) << "a right hand's, on a right one";
+  result.hand.chirality(v1::CHIRALITY_UNKNOWN);
+  EXPECT_THAT(text::grasp(result), hint);
+  result.solution.patches()[0].diagnosis().verdict(v1::VERDICT_REACHED);
+  EXPECT_THAT(text::grasp(result), Not(hint));
+  result.solution.patches()[0].diagnosis().verdict(v1::VERDICT_OUT_OF_REACH);
+  result.hand.digits().resize(3);
+  EXPECT_THAT(text::grasp(result), Not(hint)) << "a claw takes what either touched";
+}
+
 TEST(GraspJson, NamesTheSessionThatIsKept) {
   GraspResult result = exampleGrasp();
   result.kept = true;
