@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/base/time_note.h"
 #include "core/hand/hand_location.h"
 
 namespace handgraft::manipulation {
@@ -182,6 +183,8 @@ void nameByParts(Motion& motion) {
 
 std::vector<std::string> remarksOn(const Motion& motion) {
   std::vector<std::string> remarks;
+  if (std::string note = timeUnitNote(motion.time_s); !note.empty())
+    remarks.push_back(std::move(note));
   int jumps = 0;
   int first_jump = 0;
   for (std::size_t k = 1; k < motion.X_WO.size(); ++k) {

@@ -87,7 +87,8 @@ void validate(const geometry::TriangleMesh& object_O, const Motion& motion);
 void nameByParts(Motion& motion);
 
 /// What a user should know of it though nothing is wrong: an object that jumps from one frame
-/// to the next (more than kJumpWay or kJumpTurn), gaps in time, frames without any contact.
+/// to the next (more than kJumpWay or kJumpTurn), gaps in time, times that seem to be
+/// milliseconds, frames without any contact.
 std::vector<std::string> remarksOn(const Motion& motion);
 
 inline constexpr double kJumpWay = 0.1;   // m

@@ -19,6 +19,8 @@
 #include "client/present/interruption.h"
 #include "client/present/joint_unit.h"
 #include "client/present/json_output.h"
+#include "core/base/error.h"
+#include "core/base/time_note.h"
 
 namespace handgraft::client {
 
@@ -35,6 +37,12 @@ int run(const MotionFollowOptions& options,
         const CommonOptions& common,
         Interruption& interruption) {
   const std::vector<v1::DemonstratorFrame> frames = readDemonstration(options.demonstration);
+  std::vector<double> times;
+  for (const v1::DemonstratorFrame& frame : frames)
+    times.push_back(frame.time_s());
+  // Nobody waits an hour for the end of a recording of four seconds to read it.
+  if (const std::string note = timeUnitNote(times); !note.empty())
+    fmt::print(stderr, "handgraft: {}: {}\n", quoted(options.demonstration.string()), note);
   Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
   FollowAnswers answers(server.describeSession(session_id).get().message());

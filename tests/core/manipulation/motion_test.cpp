@@ -115,6 +115,13 @@ TEST(Motion, TellsThatItsObjectJumps) {
   EXPECT_THAT(remarksOn(motion)[0], HasSubstr("jumps 2 times, first to frame 6"));
 }
 
+TEST(Motion, TellsTimesInMilliseconds) {
+  Motion motion = slide();
+  for (double& time_s : motion.time_s)
+    time_s *= 1e3;
+  EXPECT_THAT(remarksOn(motion)[0], HasSubstr("are these milliseconds?"));
+}
+
 TEST(Motion, TracksOfPointsKeepNamesThatSessionsKnow) {
   Motion motion = slide();
   PatchTrack& track = motion.tracks[0];

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace handgraft {
+
+/// What to tell who recorded these times (s, rising): frames of a hand that are several seconds
+/// apart seem to be counted in milliseconds, microseconds or nanoseconds. Empty: nothing to
+/// tell, as of a few frames. Cost: linear.
+std::string timeUnitNote(const std::vector<double>& time_s);
+
+}  // namespace handgraft
