@@ -1,6 +1,7 @@
 #include "server/reading/read_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -77,6 +78,21 @@ void requireMetres(const hand::HandModel& model) {
   }
 }
 
+/// Of sliders that go farther than any of a hand's. A floating base may be anywhere; it is none
+/// of the model's joints.
+void noteTravelInMillimetres(const hand::HandModel& model, std::vector<std::string>& notes) {
+  constexpr double kLongestTravel = 1.0;  // m
+  for (const hand::Joint& joint : model.joints()) {
+    if (joint.type != hand::JointType::kPrismatic) continue;
+    const double farthest = std::max(std::abs(joint.lower), std::abs(joint.upper));
+    if (!std::isfinite(farthest) || farthest <= kLongestTravel) continue;
+    notes.push_back(
+        fmt::format("joint {}: its limits, {} to {} m, are beyond {} m; URDF's lengths are "
+                    "metres, not millimetres",
+                    handgraft::quoted(joint.name), joint.lower, joint.upper, kLongestTravel));
+  }
+}
+
 ReadHand readHand(const ReadRequest& request) {
   io::UrdfFile file = io::readUrdf(fileOf(request, request.main_uri),
                                    ResourceFinder([&](const std::string& uri) {
@@ -97,6 +113,7 @@ ReadHand readHand(const ReadRequest& request) {
   ReadHand read{std::move(file.model), std::move(file.floating_base),
                 std::move(file.text),  std::move(file.notes),
                 std::nullopt,          {}};
+  noteTravelInMillimetres(read.model, read.notes);
   if (!request.hand.srdf_uri.empty()) {
     io::SrdfFile srdf = io::readSrdf(fileOf(request, request.hand.srdf_uri), read.model);
     read.poses = std::move(srdf.poses);

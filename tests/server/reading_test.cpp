@@ -186,6 +186,20 @@ TEST(ReadModel, NamesAMeshOfAHandThatIsNotInMetres) {
 
 // === Hands
 
+TEST(ReadModel, NotesASliderWhoseLimitsMustBeMillimetres) {
+  const auto notes_of = [](const std::string& upper) {
+    std::string text = test::clamp_urdf;
+    text.replace(text.find("type=\"revolute\""), 15, "type=\"prismatic\"");
+    text.replace(text.find("upper=\"1.2\""), 11, "upper=\"" + upper + "\"");
+    return std::get<ReadHand>(
+               readModel(requestFor(ReadKind::kHand, written("jaw.urdf", text)), Progress()))
+        .notes;
+  };
+  EXPECT_THAT(notes_of("30"), Contains(AllOf(HasSubstr("'hinge'"), HasSubstr("-0.5 to 30 m"),
+                                             HasSubstr("metres, not millimetres"))));
+  EXPECT_THAT(notes_of("0.03"), Not(Contains(HasSubstr("millimetres"))));
+}
+
 TEST(ReadModel, RestsAHandInANamedPoseAndMirrorsIt) {
   ReadRequest request = clampRequest();
   request.hand.srdf_uri = "clamp.srdf";
