@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/geometry/inward_faces.h"
 #include "core/geometry/kd_tree.h"
+#include "core/geometry/main_extent.h"
 #include "core/io/file_bytes.h"
 #include "core/io/ply_file.h"
 
@@ -44,7 +45,7 @@ bool has(const PlyFile& ply, std::initializer_list<const char*> properties) {
 
 /// A file's mesh in metres, its faces to the outside.
 MeshFile asObject(MeshFile file, const LengthScale& scale) {
-  const double factor = scale ? scale(file.mesh.diagonal()) : 1.0;
+  const double factor = scale ? scale(geometry::mainExtent(file.mesh)) : 1.0;
   if (factor != 1.0)
     file.mesh = geometry::transformed(file.mesh, Eigen::Affine3d(Eigen::Scaling(factor)));
   file.is_turned = geometry::inwardFaces(file.mesh);
@@ -73,11 +74,8 @@ MeshFile readObject(const std::filesystem::path& path,
     return asObject(readMesh(path), scale);
   cloud::PointCloud cloud;
   cloud.points_O = columns(ply, "x", "y", "z");
-  if (scale && cloud.points_O.allFinite()) {
-    const Eigen::Vector3d extent =
-        cloud.points_O.rowwise().maxCoeff() - cloud.points_O.rowwise().minCoeff();
-    cloud.points_O *= scale(extent.norm());
-  }
+  if (scale && cloud.points_O.allFinite())
+    cloud.points_O *= scale(geometry::mainExtent(cloud.points_O));
   if (has(ply, {"nx", "ny", "nz"})) cloud.normals_O = columns(ply, "nx", "ny", "nz");
   try {
     cloud::CloudSurface surface = cloud::surfaceOf(cloud, options, progress);

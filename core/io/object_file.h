@@ -12,7 +12,7 @@ namespace handgraft::io {
 
 /// What a file's lengths are multiplied with, by the diagonal of what it holds, which tells
 /// millimetres from metres. Empty: 1.
-using LengthScale = std::function<double(double diagonal)>;
+using LengthScale = std::function<double(double extent)>;
 
 /// An object: a mesh as `readMesh` reads it, or a PLY that lists points and no face, with or
 /// without normals `nx ny nz`, through which a surface is laid. Then `cloud_O` holds the file's

@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/contact/threshold.h"
+#include "core/geometry/main_extent.h"
 #include "core/hand/mirror.h"
 #include "core/io/contact_file.h"
 #include "core/io/hand_joints_file.h"
@@ -146,8 +147,8 @@ contact::ContactMap scaledMap(contact::ContactMap map,
                               const ReadRequest& request,
                               std::vector<std::string>& notes) {
   const MapScale scale =
-      mapScale(map.mesh_O.diagonal(), request.units, request.contacts.object_units,
-               request.contacts.object->mesh.diagonal(),
+      mapScale(geometry::mainExtent(map.mesh_O), request.units, request.contacts.object_units,
+               geometry::mainExtent(request.contacts.object->mesh),
                "contact map " + handgraft::quoted(request.name));
   if (!scale.note.empty()) notes.push_back(scale.note);
   if (scale.scale != 1.0) {

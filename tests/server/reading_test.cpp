@@ -200,6 +200,20 @@ TEST(ReadModel, NotesASliderWhoseLimitsMustBeMillimetres) {
   EXPECT_THAT(notes_of("0.03"), Not(Contains(HasSubstr("millimetres"))));
 }
 
+TEST(ReadModel, TakesAnObjectForAsLargeAsNearlyAllOfIt) {
+  // A ball, and a speck of a broken scan 4 m from it, which asks for no units.
+  std::string text = "v 4 4 4\nv 4.001 4 4\nv 4 4.001 4\nf 1 2 3\n";
+  const geometry::TriangleMesh ball = geometry::makeSphere(0.05, 3);
+  for (int v = 0; v < ball.vertexCount(); ++v)
+    text +=
+        fmt::format("v {} {} {}\n", ball.vertex(v).x(), ball.vertex(v).y(), ball.vertex(v).z());
+  for (int f = 0; f < ball.faceCount(); ++f)
+    text += fmt::format("f {} {} {}\n", ball.face(f)[0] + 4, ball.face(f)[1] + 4,
+                        ball.face(f)[2] + 4);
+  const ReadRequest request = requestFor(ReadKind::kObject, written("ball.obj", text));
+  EXPECT_EQ(objectOf(request).mesh.vertexCount(), ball.vertexCount() + 3);
+}
+
 TEST(ReadModel, RestsAHandInANamedPoseAndMirrorsIt) {
   ReadRequest request = clampRequest();
   request.hand.srdf_uri = "clamp.srdf";
