@@ -197,9 +197,16 @@ void requireRange(const char* option, double value, double lowest, double highes
   rejectInput("{} {} is outside {} to {}", option, value, lowest, highest);
 }
 
+config::HandConfig readAndRemark(const std::string& path) {
+  config::HandConfig config = config::readHandConfig(path);
+  for (const std::string& remark : config::remarksOn(config))
+    fmt::print(stderr, "handgraft-bridge: {}: {}\n", quoted(path), remark);
+  return config;
+}
+
 void readConfig(const Options& options, bridge::BridgeOptions& told) {
   if (options.config.empty()) return;
-  told.config = config::readHandConfig(options.config);
+  told.config = readAndRemark(options.config);
   told.config_name = options.config;
   if (options.port) config::usePort(told.config->device, *options.port);
 }
@@ -212,7 +219,7 @@ void print(const bridge::BridgeReport& report, bool json) {
 }
 
 config::HandConfig configOf(const BringUp& told) {
-  config::HandConfig config = config::readHandConfig(told.config);
+  config::HandConfig config = readAndRemark(told.config);
   if (config.device.kind == config::DeviceKind::kSimulated)
     rejectInput("{}: a simulated hand needs no bringing up", quoted(told.config));
   if (!told.port.empty()) config::usePort(config.device, told.port);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include <fmt/format.h>
@@ -257,6 +258,29 @@ std::unique_ptr<tendon::MotorMap> makeMotorMap(const HandConfig& config) {
   for (const MotorConfig& motor : config.motors)
     motors.push_back(motor.range_rad);
   return std::make_unique<tendon::SynergyMap>(S, rest, Eigen::VectorXd::Ones(n), motors);
+}
+
+std::vector<std::string> remarksOn(const HandConfig& config) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;  // rad
+  // A drum that winds a tendon in goes round several times; what is geared to a joint does not.
+  const double most_of_motor =
+      config.transmission.kind == TransmissionKind::kDirect ? kTurn : 10.0 * kTurn;
+  std::vector<std::string> remarks;
+  const auto note = [&](const char* kind, const std::string& name, double lower, double upper,
+                        double most) {
+    if (std::max(std::abs(lower), std::abs(upper)) <= most) return;
+    remarks.push_back(
+        fmt::format("{} {}: {:.4g} to {:.4g} rad are more than {:.0f} turn{}; angles are "
+                    "radians, not degrees",
+                    kind, quoted(name), lower, upper, most / kTurn, most > kTurn ? "s" : ""));
+  };
+  for (std::size_t i = 0; i < config.jointCount(); ++i) {
+    const safety::JointLimits& limits = config.governor.limits[i];
+    note("joint", config.governor.names[i], limits.lower, limits.upper, kTurn);
+  }
+  for (const MotorConfig& motor : config.motors)
+    note("motor", motor.name, motor.range_rad.lower, motor.range_rad.upper, most_of_motor);
+  return remarks;
 }
 
 std::vector<std::string> problemsOf(const HandConfig& config, const Problems& known) {

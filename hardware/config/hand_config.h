@@ -109,6 +109,10 @@ std::unique_ptr<tendon::MotorMap> makeMotorMap(const HandConfig& config);
 /// Of direct drive, the joints that have motors, in the order of the motors; else none.
 std::vector<std::string> motorJoints(const HandConfig& config);
 
+/// What is hardly meant though it may be: joints and motors that go round more often than those
+/// of a hand, as angles in degrees do. Empty if nothing.
+std::vector<std::string> remarksOn(const HandConfig& config);
+
 /// What there is to object to in `config` as a whole: that motors can go where and as fast as
 /// joints may ask, that the governor and the transmission accept it, that watchdogs and gaps
 /// fit each other and the device, that ids are the device's. Empty if nothing.

@@ -83,6 +83,21 @@ TEST(HandConfig, ReadsWhatIsThere) {
   EXPECT_EQ(config.homing[0].hold.count(), 300);
 }
 
+TEST(HandConfig, RemarksOnAnglesInDegrees) {
+  EXPECT_EQ(remarksOn(parseHandConfig(kSmall)), std::vector<std::string>{});
+  std::string text = kSmall;
+  for (std::size_t at = text.find("upper_rad: 1.5"); at != std::string::npos;
+       at = text.find("upper_rad: 1.5", at + 1))
+    text.replace(at, 14, "upper_rad: 90 ");
+  const std::vector<std::string> told = remarksOn(parseHandConfig(text));
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_TRUE(contains(told[0], "joint 'a': 0 to 90 rad are more than 1 turn")) << told[0];
+  EXPECT_TRUE(contains(told[1], "motor 'm'")) << told[1];
+  EXPECT_TRUE(contains(told[1], "radians, not degrees")) << told[1];
+  for (const std::string& name : example_configs)
+    EXPECT_EQ(remarksOn(readHandConfig(examplePath(name))), std::vector<std::string>{}) << name;
+}
+
 TEST(HandConfig, ReadsEmergencyStopsOfBothKinds) {
   EXPECT_EQ(parseHandConfig(kSmall).governor.stop_mode, safety::StopMode::kBrake);
   const HandConfig cut = parseHandConfig(std::string(kSmall) + "emergency_stop: {mode: cut}\n");
