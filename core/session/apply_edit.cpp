@@ -62,11 +62,7 @@ class Editing {
     }
     limits.lower = edit.lower;
     limits.upper = edit.upper;
-    const hand::HandModel& model = *hand().model;
-    const int dof = model.dofIndex(edit.joint);
-    edited.message =
-        limitNote(edit.joint, model.dofJoint(dof).type == hand::JointType::kPrismatic,
-                  {edit.lower, edit.upper}, {model.lower()[dof], model.upper()[dof]});
+    edited.message = noteOn(edit);
   }
 
   void apply(const JointLockEdit& edit) {
@@ -117,7 +113,11 @@ class Editing {
     dropUnfitting();
   }
 
-  void apply(const TimedEdit& edit) { addTimed(edit, derived_.models(), edited.document); }
+  void apply(const TimedEdit& edit) {
+    addTimed(edit, derived_.models(), edited.document);
+    if (const auto* limits = std::get_if<JointLimitEdit>(&edit.change))
+      edited.message = noteOn(*limits);
+  }
 
   void apply(const RemoveTimedEdit& edit) {
     std::vector<TimedEdit>& timed = edited.document.timed;
@@ -135,6 +135,14 @@ class Editing {
 
  private:
   [[nodiscard]] const hand::Hand& hand() const { return *derived_.models().hand; }
+
+  /// On limits that are hardly meant.
+  [[nodiscard]] std::string noteOn(const JointLimitEdit& edit) const {
+    const hand::HandModel& model = *hand().model;
+    const int dof = model.dofIndex(edit.joint);
+    return limitNote(edit.joint, model.dofJoint(dof).type == hand::JointType::kPrismatic,
+                     {edit.lower, edit.upper}, {model.lower()[dof], model.upper()[dof]});
+  }
 
   /// Edits at times that name what the new model does not have.
   void dropUnfitting() {

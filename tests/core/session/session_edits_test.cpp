@@ -50,6 +50,20 @@ TEST(SessionEdit, TellsLimitsInDegrees) {
   EXPECT_EQ(session.document().joints[0].upper, 60.0) << "taken all the same";
 }
 
+TEST(SessionEdit, TellsLimitsBeyondTheHandsAlsoOfATime) {
+  Session session = BallGrasp().open();
+  const hand::HandModel& model = *session.hand().model;
+  const int dof = model.dofIndex("thumb_1");
+  const double lower = model.lower()[dof];
+  const double upper = model.upper()[dof];
+  const auto told = [&](double most) {
+    return session.apply(TimedEdit{{2.0, 0.5}, JointLimitEdit{"thumb_1", lower, most}}).message;
+  };
+  EXPECT_EQ(told(upper), "");
+  EXPECT_THAT(told(upper + 0.1), HasSubstr("go beyond the hand's own"));
+  EXPECT_THAT(told(60.0), HasSubstr("angles are radians, not degrees"));
+}
+
 TEST(SessionEdit, OfATimeIsToldWithUnits) {
   const Session session = BallGrasp().open();
   const hand::HandModel& model = *session.hand().model;
