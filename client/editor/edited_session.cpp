@@ -107,6 +107,8 @@ Names EditedSession::names() {
   Names names;
   for (const v1::JointInfo& joint : hand().joints())
     names.joints.push_back(joint.name());
+  for (const v1::MimicInfo& mimic : hand().mimics())
+    names.followers.emplace(mimic.joint(), mimic.source());
   for (const v1::SiteInfo& site : hand().sites()) {
     names.sites.push_back(site.name());
     names.points.push_back(site.name());

@@ -112,6 +112,11 @@ std::string read(const Slot& slot, const std::string& word, const Names& names, 
   if (isOpen(slot.kind)) return "";
   const std::vector<std::string>& known = choices(slot, names);
   if (std::find(known.begin(), known.end(), word) != known.end()) return "";
+  if (const auto follower = names.followers.find(word);
+      slot.kind == Kind::kJoint && follower != names.followers.end()) {
+    return fmt::format("{} follows joint {} and cannot be moved by itself",
+                       handgraft::quoted(word), handgraft::quoted(follower->second));
+  }
   return fmt::format("{}; there {} {}", no(), known.size() == 1 ? "is" : "are",
                      known.empty() ? "none" : listed(known));
 }

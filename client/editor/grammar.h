@@ -63,6 +63,7 @@ Pattern patternOf(std::string_view text);
 struct Names {
   std::vector<std::string> patches;
   std::vector<std::string> joints;
+  std::map<std::string, std::string> followers;  ///< joints that mimic another: which one
   std::vector<std::string> sites;
   std::vector<std::string> points;
   std::vector<std::string> hands;

@@ -113,6 +113,8 @@ TEST(CommandTable, NamesTheWordThatIsWrongAndWhatIsPermitted) {
   EXPECT_THAT(objectionTo("frobnicate"), Not(HasSubstr("did you mean")));
   EXPECT_THAT(objectionTo("lock bent"),
               AllOf(HasSubstr("'bent' is no joint"), HasSubstr("bend, slide")));
+  EXPECT_THAT(objectionTo("limit bend_2 upper 0.5"),
+              HasSubstr("'bend_2' follows joint 'bend' and cannot be moved by itself"));
   EXPECT_THAT(objectionTo("weight pinkie 1"),
               AllOf(HasSubstr("'pinkie' is no patch"), HasSubstr("thumb, index")));
   EXPECT_THAT(objectionTo("limit bend uper 0.6"),

@@ -96,6 +96,7 @@ inline client::editor::Names smallNames() {
   client::editor::Names names;
   names.patches = {"thumb", "index"};
   names.joints = {"bend", "slide"};
+  names.followers = {{"bend_2", "bend"}};
   names.sites = {"index", "palm"};
   names.points = {"index", "index_tip", "palm", "palm_tip", "base", "finger"};
   names.hands = {"allegro16", "barrett8"};
