@@ -55,6 +55,17 @@ void copyChildren(const XMLElement& from,
   }
 }
 
+/// urdfdom says of others neither the link nor what there is.
+void requireKnownGeometry(const XMLElement& shape, const std::string& link) {
+  const XMLElement* geometry = shape.FirstChildElement("geometry");
+  const XMLElement* kind = geometry == nullptr ? nullptr : geometry->FirstChildElement();
+  if (kind == nullptr || std::strcmp(kind->Name(), "capsule") != 0) return;
+  rejectInput(
+      "link {}: line {}: a capsule, which URDF 1.0 does not have; write a cylinder of its "
+      "radius and length and a sphere of its radius at each end, or a mesh",
+      handgraft::quoted(link), kind->GetLineNum());
+}
+
 void copyLink(const XMLElement& link, bool with_shapes, XMLElement& robot, UrdfText& result) {
   const std::string name = nameOf(link);
   result.links.push_back(name);
@@ -69,6 +80,7 @@ void copyLink(const XMLElement& link, bool with_shapes, XMLElement& robot, UrdfT
     if (!is_shape) continue;
     result.solid_links.insert(name);
     if (!with_shapes) continue;
+    requireKnownGeometry(*shape, name);
     copyChildren(*shape, *copy->InsertNewChildElement(shape->Name()), {"origin", "geometry"});
   }
 }

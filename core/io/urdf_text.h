@@ -32,8 +32,9 @@ struct UrdfText {
 ///
 /// Entities that the file defines itself are not expanded; nesting is bounded by tinyxml2.
 /// Errors: InvalidInput for XML that is not well-formed, unnamed links and joints, unknown
-/// joint types, one of hand::kJointNumbers that is no number, a planar or floating joint that
-/// mimics, more than kMostUrdfLinks links or joints, names longer than kLongestUrdfName.
+/// joint types, a capsule, one of hand::kJointNumbers that is no number, a planar or floating
+/// joint that mimics, more than kMostUrdfLinks links or joints, names longer than
+/// kLongestUrdfName.
 UrdfText prepareUrdf(const std::string& text, bool with_shapes);
 
 /// What `<limit effort>` says of each joint that has one, by the joint's name: N, or N m. A

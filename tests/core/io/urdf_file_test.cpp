@@ -183,6 +183,19 @@ TEST(UrdfFile, RefusesShapesThatUrdfdomWouldLeaveOut) {
   }
 }
 
+TEST(UrdfFile, SaysWhatToWriteInsteadOfACapsule) {
+  const std::string text =
+      R"(<link name="tip"><collision><geometry>)"
+      R"(<capsule radius="0.01" length="0.03"/></geometry></collision></link>)";
+  try {
+    readUrdf(written(text));
+    FAIL() << "it was taken";
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("link 'tip'"), HasSubstr("URDF 1.0"),
+                                    HasSubstr("a cylinder"), HasSubstr("a sphere")));
+  }
+}
+
 TEST(UrdfFile, TakesAPlanarJointAsTwoSlidersAndATurn) {
   const UrdfFile file = readUrdf(
       written("<link name='a'><visual><geometry><sphere radius='1'/></geometry></visual></link>"
