@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/base/length_unit.h"
 #include "core/base/limit_note.h"
 
 namespace handgraft::client {
@@ -86,13 +87,30 @@ Number numberIn(const std::string& word, const Named& named, const std::string& 
   }
   const char* end = digits.data() + digits.size();
   const auto [stop, fault] = std::from_chars(digits.data(), end, number.value);
-  if (fault != std::errc() || stop != end || !std::isfinite(number.value))
-    rejectInput("{}: {} is no number", quoted(text), quoted(word));
+  const bool is_number = fault == std::errc() && std::isfinite(number.value);
+  const LengthUnit* unit =
+      is_number ? lengthUnitCalled({stop, static_cast<std::size_t>(end - stop)}) : nullptr;
+  if (unit != nullptr && !number.in_degrees) {
+    // Whether the joint slides is not known here: 30mm of one that turns would be 0.03 rad.
+    rejectInput(
+        "{}: {}: limits of joints that slide are in metres here, without a unit; write {:g}",
+        quoted(text), quoted(word), number.value * unit->metres);
+  }
+  if (!is_number || stop != end) rejectInput("{}: {} is no number", quoted(text), quoted(word));
   const bool is_limit =
       named.property == v1::PROPERTY_LOWER || named.property == v1::PROPERTY_UPPER;
   if (number.in_degrees && !is_limit)
     rejectInput("{}: {} is a factor and has no unit", quoted(text), quoted(word));
   return number;
+}
+
+/// Nought is nought in any unit: `0:45deg` is from 0deg.
+void takeOneUnit(std::vector<Number>& numbers) {
+  const bool any = std::any_of(numbers.begin(), numbers.end(), [](const Number& number) {
+    return number.in_degrees;
+  });
+  for (Number& number : numbers)
+    number.in_degrees = number.in_degrees || (any && number.value == 0.0);
 }
 
 double inRadians(const Number& number) {
@@ -124,10 +142,14 @@ StudyAxis axisFrom(const std::string& text) {
   if (named.values.find(':') != std::string::npos) {
     const std::vector<std::string> parts = split(named.values, ':');
     if (parts.size() != 3) rejectInput("{}: {}", quoted(text), kAxisForms);
-    const Number from = numberIn(parts[0], named, text);
-    const Number to = numberIn(parts[1], named, text);
-    if (from.in_degrees != to.in_degrees)
-      rejectInput("{}: FROM and TO have different units", quoted(text));
+    std::vector<Number> ends{numberIn(parts[0], named, text), numberIn(parts[1], named, text)};
+    takeOneUnit(ends);
+    const Number& from = ends[0];
+    const Number& to = ends[1];
+    if (from.in_degrees != to.in_degrees) {
+      rejectInput("{}: FROM and TO have different units; write deg behind both or neither",
+                  quoted(text));
+    }
     const int count = countIn(parts[2], text);
     for (int i = 0; i < count; ++i) {
       // Ends exactly where the user said, and is finite where both ends are.
@@ -137,6 +159,7 @@ StudyAxis axisFrom(const std::string& text) {
   } else {
     for (const std::string& word : split(named.values, ','))
       numbers.push_back(numberIn(word, named, text));
+    takeOneUnit(numbers);
   }
   axis.in_degrees = numbers.front().in_degrees;
   for (const Number& number : numbers) {
@@ -149,6 +172,10 @@ StudyAxis axisFrom(const std::string& text) {
 
 v1::HandChange changeFrom(const std::string& text) {
   const Named named = namedIn(text, kChangeForm);
+  if (named.values.find_first_of(":,") != std::string::npos) {
+    rejectInput("{}: {} is no number: one hand has one value, several are for sweep --vary",
+                quoted(text), quoted(named.values));
+  }
   v1::HandChange change;
   change.property(named.property);
   change.target(named.target);

@@ -80,6 +80,10 @@ TEST(StudyAxis, TakesDegrees) {
   EXPECT_NEAR(axis.axis.values()[0], -1.5707963267948966, 1e-12);
   EXPECT_NEAR(axis.shown(axis.axis.values()[3]), 45.0, 1e-12);
   EXPECT_NEAR(changeFrom("thumb.upper=180deg").value(), 3.141592653589793, 1e-12);
+  const StudyAxis from_nought = axisFrom("thumb.upper=0:45deg:4");
+  EXPECT_TRUE(from_nought.in_degrees);
+  EXPECT_NEAR(from_nought.axis.values()[3], 0.7853981633974483, 1e-12);
+  EXPECT_TRUE(axisFrom("thumb.upper=0,45deg").in_degrees);
 }
 
 TEST(StudyAxis, NamesWhatIsWrong) {
@@ -93,6 +97,10 @@ TEST(StudyAxis, NamesWhatIsWrong) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("it must be NAME.PROPERTY=VALUE"),
                                     testing::Not(HasSubstr("FROM"))));
   }
+  EXPECT_THAT(objectionTo([&] {
+                (void)changeFrom("thumb.upper=0:45deg");
+              }),
+              HasSubstr("one hand has one value"));
   EXPECT_THAT(objectionTo("thumb.colour=1"),
               AllOf(HasSubstr("'colour'"), HasSubstr("lower, upper")));
   EXPECT_THAT(objectionTo("thumb.upper=1,x"), HasSubstr("'x' is no number"));
@@ -102,6 +110,8 @@ TEST(StudyAxis, NamesWhatIsWrong) {
   EXPECT_THAT(objectionTo("thumb.upper=0:1:2.5"), HasSubstr("COUNT '2.5'"));
   EXPECT_THAT(objectionTo("thumb.upper=0:1:99999999999"), HasSubstr("COUNT"));
   EXPECT_THAT(objectionTo("thumb.upper=30:90deg:7"), HasSubstr("different units"));
+  EXPECT_THAT(objectionTo("jaw.upper=0:30mm:7"),
+              AllOf(HasSubstr("'30mm'"), HasSubstr("in metres"), HasSubstr("write 0.03")));
   EXPECT_THAT(objectionTo("thumb.upper=30,90deg"), HasSubstr("degrees"));
   EXPECT_THAT(objectionTo("palm.size=30deg"), HasSubstr("no unit"));
 }
