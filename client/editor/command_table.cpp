@@ -21,7 +21,7 @@ std::span<const Command> otherCommands() {
       {"save FILE", "write all of the session: state, history, snapshots, log", Action::kSave},
       {"load FILE", "open a session of such a file and go on there", Action::kLoad},
       {"replay FILE", "play its log again and say whether it ends the same", Action::kReplay},
-      {"!script FILE", "run the commands of a file", Action::kScript},
+      {"!script FILE", "run the commands of a file; the first that fails ends it", Action::kScript},
       // === Sessions
       {"sessions", "all sessions of the server", Action::kSessions},
       {"join", "go back to the session before this one", Action::kJoin},

@@ -39,7 +39,9 @@ void addEdit(CLI::App& app, CommandOptions& chosen) {
   CLI::Option* falloff = command->add_option("--falloff", parsed->falloff_s,
                                              "Fading over so many seconds before and after it");
   falloff->needs(at);
-  command->footer("At the prompt help lists the commands, Tab completes, ? explains.");
+  command->footer(
+      "At the prompt help lists the commands, Tab completes, ? explains. A script or a pipe "
+      "ends at the first command that fails.");
   command->callback([parsed, session, at, &chosen] {
     EditOptions edit;
     if (at->count() > 0) edit.at_s = parsed->at_s;
