@@ -28,6 +28,18 @@ std::string commandsOf(const CLI::App& app) {
   return names;
 }
 
+/// Of a word that no option takes: a name with a blank in it, whose first word one did take, is
+/// what it mostly is.
+void requireOneWordEach(const std::string& extra, int argc, const char* const* argv) {
+  for (int i = 3; i < argc; ++i) {
+    const std::string option = argv[i - 2];
+    const std::string first = argv[i - 1];
+    if (argv[i] != extra || option.rfind("--", 0) != 0 || first.rfind("--", 0) == 0) continue;
+    rejectInput("{} takes one word, {}; {} is one too many, a name with blanks needs quotes",
+                option, quoted(first), quoted(extra));
+  }
+}
+
 }  // namespace
 
 double longestOf(const CommandOptions& command) {
@@ -110,6 +122,8 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
         continue;
       rejectInput("{}: one of {} must follow", command->get_name(), commandsOf(*command));
     }
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !rest.empty())
+      requireOneWordEach(rest.front(), argc, argv);
     rejectInput("{} (handgraft --help tells more)", oneLine(error.what()));
   }
   validate(common.network);

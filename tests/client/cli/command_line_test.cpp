@@ -180,6 +180,9 @@ TEST(CommandLine, ReadsAnEditor) {
   EXPECT_THAT(objectionTo({"edit", "7", "--hand", "human20"}), HasSubstr("another session"));
   EXPECT_THAT(objectionTo({"edit", "7", "--solver", "lm"}), HasSubstr("--solver"));
   EXPECT_THAT(objectionTo({"edit", "7", "--mirror"}), HasSubstr("--mirror"));
+  EXPECT_THAT(objectionTo({"skin", "human20", "--out", "my", "skin.ply"}),
+              HasSubstr("--out takes one word, 'my'; 'skin.ply' is one too many, a name with "
+                        "blanks needs quotes"));
 }
 
 TEST(CommandLine, ReadsWhatToView) {
