@@ -15,15 +15,53 @@ namespace {
 using Meaning = std::pair<std::string_view, std::string_view>;
 
 /// A word may go on after these ("thumbtip", "ringfinger").
-constexpr Meaning kDigitBeginnings[] = {
-    {"thumb", "thumb"},   {"index", "index"},   {"forefinger", "index"},
-    {"middle", "middle"}, {"ring", "ring"},     {"little", "little"},
-    {"pinky", "little"},  {"pinkie", "little"}, {"palm", "palm"}};
+constexpr Meaning kDigitBeginnings[] = {{"thumb", "thumb"},
+                                        {"index", "index"},
+                                        {"forefinger", "index"},
+                                        {"middle", "middle"},
+                                        {"ring", "ring"},
+                                        {"little", "little"},
+                                        {"pinky", "little"},
+                                        {"pinkie", "little"},
+                                        {"palm", "palm"},
+                                        // German words are put together ("daumenspitze").
+                                        {"daumen", "thumb"},
+                                        {"zeigefinger", "index"},
+                                        {"mittelfinger", "middle"},
+                                        {"kleinfinger", "little"},
+                                        {"kleinerfinger", "little"},
+                                        {"kleinefinger", "little"}};
 constexpr Meaning kDigitWords[] = {
-    {"th", "thumb"},   {"thb", "thumb"},  {"thm", "thumb"},  {"ff", "index"},
-    {"idx", "index"},  {"ind", "index"},  {"mf", "middle"},  {"mid", "middle"},
-    {"rf", "ring"},    {"rng", "ring"},   {"lf", "little"},  {"lit", "little"},
-    {"ltl", "little"}, {"pky", "little"}, {"pnk", "little"}, {"pinkey", "little"}};
+    {"th", "thumb"},
+    {"thb", "thumb"},
+    {"thm", "thumb"},
+    {"ff", "index"},
+    {"idx", "index"},
+    {"ind", "index"},
+    {"mf", "middle"},
+    {"mid", "middle"},
+    {"rf", "ring"},
+    {"rng", "ring"},
+    {"lf", "little"},
+    {"lit", "little"},
+    {"ltl", "little"},
+    {"pky", "little"},
+    {"pnk", "little"},
+    {"pinkey", "little"},
+    // Spanish, French, Italian, accents left out; "medio" may be a segment, too.
+    {"pulgar", "thumb"},
+    {"indice", "index"},
+    {"medio", "middle"},
+    {"corazon", "middle"},
+    {"anular", "ring"},
+    {"menique", "little"},
+    {"pouce", "thumb"},
+    {"majeur", "middle"},
+    {"annulaire", "ring"},
+    {"auriculaire", "little"},
+    {"pollice", "thumb"},
+    {"anulare", "ring"},
+    {"mignolo", "little"}};
 /// Two letters that may stand right before a segment's word or a joint's letter.
 constexpr Meaning kDigitPrefixes[] = {
     {"th", "thumb"}, {"ff", "index"}, {"mf", "middle"}, {"rf", "ring"}, {"lf", "little"}};
@@ -40,6 +78,7 @@ constexpr Meaning kSegmentWords[] = {{"metacarpal", "metacarpal"},
                                      {"medial", "middle"},
                                      {"med", "middle"},
                                      {"mid", "middle"},
+                                     {"medio", "middle"},
                                      {"md", "middle"},
                                      {"distal", "distal"},
                                      {"dist", "distal"},
@@ -73,9 +112,48 @@ bool isNumeral(char c) {
   return std::isdigit(static_cast<unsigned char>(c)) != 0;
 }
 
+/// Without the accents of the languages whose words are known: UTF-8 of U+00C0 to U+00FF, and
+/// the combining ones of U+0300 to U+036F.
+std::string withoutAccents(const std::string& name) {
+  // Of U+00C0 on; '?' is no letter of those words.
+  constexpr std::string_view kPlain =
+      "AAAAAA?CEEEEIIII?NOOOOO?OUUUUY??aaaaaa?ceeeeiiii?nooooo?ouuuuy?y";
+  static_assert(kPlain.size() == 0x40);
+  std::string plain;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const auto lead = static_cast<unsigned char>(name[i]);
+    const auto next = i + 1 < name.size() ? static_cast<unsigned char>(name[i + 1]) : 0U;
+    if (lead == 0xC3U && next >= 0x80U && next <= 0xBFU) {
+      plain += kPlain[next - 0x80U];
+      ++i;
+    } else if ((lead == 0xCCU && next >= 0x80U && next <= 0xBFU) ||
+               (lead == 0xCDU && next >= 0x80U && next <= 0xAFU)) {
+      ++i;
+    } else {
+      plain += name[i];
+    }
+  }
+  return plain;
+}
+
+/// Fingers that are called by two words: "kleiner Finger", "ZeigeFinger".
+void joinFingers(std::vector<Word>& words) {
+  constexpr std::array<std::string_view, 5> kFirst = {"klein", "kleine", "kleiner", "zeige",
+                                                      "mittel"};
+  for (std::size_t i = 0; i + 1 < words.size(); ++i) {
+    const bool is_first =
+        std::find(kFirst.begin(), kFirst.end(), words[i].text) != kFirst.end();
+    if (!is_first || words[i].is_numbered || words[i + 1].text != "finger") continue;
+    words[i].text += "finger";
+    words[i].is_numbered = words[i + 1].is_numbered;
+    words.erase(words.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+  }
+}
+
 /// Runs of letters; a capital after a small letter begins the next. What a numeral begins
 /// ("4th") is none.
-std::vector<Word> wordsOf(const std::string& name) {
+std::vector<Word> wordsOf(const std::string& accented) {
+  const std::string name = withoutAccents(accented);
   std::vector<Word> words;
   bool continues = false;
   for (std::size_t i = 0; i < name.size(); ++i) {
@@ -100,6 +178,7 @@ std::vector<Word> wordsOf(const std::string& name) {
     words.back().text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     continues = true;
   }
+  joinFingers(words);
   return words;
 }
 
@@ -152,7 +231,7 @@ PartWords partWordsOf(const std::string& name) {
       continue;
     }
     const auto [digit, segment] = meaningOf(word);
-    const bool may_be_segment = word == "middle" || word == "mid";
+    const bool may_be_segment = word == "middle" || word == "mid" || word == "medio";
     if (may_be_segment && vague == words.size() && parts.digit.empty()) {
       vague = i;
       continue;

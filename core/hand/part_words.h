@@ -19,7 +19,9 @@ struct PartWords {
 /// Reads a name word by word; words end at signs, digits and changes of case, and are known
 /// whole or as a known beginning, never inside another one ("spring" is no ring).
 ///
-/// Digits: thumb, index, middle, ring, little, pinky and common short forms; th ff mf rf lf
+/// Digits: thumb, index, middle, ring, little, pinky and common short forms; Spanish, French,
+/// German and Italian names (`pulgar`, `annulaire`, `Zeigefinger`, `mignolo`), with accents or
+/// without; th ff mf rf lf
 /// alone or before a segment (`ffdistal`, `thmiddle`: a thumb's middle) or a joint's letter
 /// (`FFJ1`). Segments: proximal, middle, distal, their short forms (`prox`, `med`, `pm md dd`),
 /// knuckle, tip. Numbered fingers (`finger_1`, `f2`) say no digit: people count from either

@@ -49,7 +49,47 @@ TEST(PartWords, KnowTheNamesOfTheField) {
   }
 }
 
+TEST(PartWords, KnowFingersInOtherLanguages) {
+  const Case cases[] = {
+      {"pulgar_distal", "thumb", "distal"},
+      {"dedo_indice", "index", ""},
+      {"dedo_\u00edndice", "index", ""},
+      {"\u00cdndice2", "index", ""},
+      {"medio_distal", "middle", "distal"},
+      {"pulgar_medio", "thumb", "middle"},
+      {"coraz\u00f3n", "middle", ""},
+      {"corazo\u0301n", "middle", ""},
+      {"anular_1", "ring", ""},
+      {"me\u00f1ique", "little", ""},
+      {"menique_tip", "little", "distal"},
+      {"pouce_base", "thumb", ""},
+      {"Majeur1", "middle", ""},
+      {"annulaire", "ring", ""},
+      {"auriculaire_distal", "little", "distal"},
+      {"DaumenGlied", "thumb", ""},
+      {"daumenspitze", "thumb", ""},
+      {"Zeigefinger_2", "index", ""},
+      {"ZeigeFinger2", "index", ""},
+      {"mittelfinger", "middle", ""},
+      {"Ringfinger", "ring", ""},
+      {"kleiner_finger_1", "little", ""},
+      {"KleinerFinger", "little", ""},
+      {"pollice_distal", "thumb", "distal"},
+      {"anulare", "ring", ""},
+      {"mignolo", "little", ""},
+  };
+  for (const Case& one : cases) {
+    const PartWords words = partWordsOf(one.name);
+    EXPECT_EQ(words.digit, one.digit) << one.name;
+    EXPECT_EQ(words.segment, one.segment) << one.name;
+  }
+}
+
 TEST(PartWords, FindNoFingerInsideOtherWords) {
+  for (const char* name : {"indices", "annular_gear", "majeure", "mediolateral", "pulgarcito",
+                           "kleiner_link", "mittel_link", "poucet", "vindice", "intermedio"})
+    EXPECT_EQ(partWordsOf(name).digit, "") << name;
+
   for (const char* name : {"",
                            "wrist",
                            "spring",
