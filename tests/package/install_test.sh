@@ -16,7 +16,8 @@ for file in bin/handgraft bin/handgraft-server bin/handgraft-reader bin/handgraf
   share/man/man1/handgraft.1 share/man/man1/handgraft-server.1 share/man/man1/handgraft-bridge.1 \
   share/bash-completion/completions/handgraft share/zsh/vendor-completions/_handgraft \
   share/doc/handgraft/examples/handgraft-server.service share/handgraft/models/objects/lemon.obj \
-  include/handgraft/client.h include/handgraft/core.h; do
+  share/doc/handgraft/README.md share/doc/handgraft/client/cli/COMMANDS.md share/doc/handgraft/client/editor/COMMANDS.md \
+  share/doc/handgraft/core/io/FORMATS.md include/handgraft/client.h include/handgraft/core.h; do
   [ -e "$scratch/usr/$file" ] || fail "$file was not installed"
 done
 version=$("$scratch/usr/bin/handgraft" --version)
@@ -27,6 +28,9 @@ commands=$("$scratch/usr/bin/handgraft" --help | sed -n '/^Subcommands:/,$ s/^  
 [ -n "$commands" ] || fail "handgraft --help lists no command"
 for command in $commands; do
   grep -qE "(^|[^a-z])$command([^a-z]|$)" "$scratch/usr/share/man/man1/handgraft.1" || fail "the manual page does not name '$command'"
+done
+for step in $("$scratch/usr/bin/handgraft" motion --help | sed -n '/^Subcommands:/,$ s/^  \([a-z][a-z-]*\) .*/\1/p'); do
+  grep -q "motion $step" "$scratch/usr/share/man/man1/handgraft.1" || fail "the manual page does not name 'motion $step'"
 done
 offered=$(PATH="$scratch/usr/bin:$PATH" bash -c '
   source "$1"
