@@ -375,8 +375,7 @@ class Segmenter {
       if (component.area > kNoTouch * areas_.sum()) {
         note(
             "'{}' covers {:.0f} % of the object, which no hand does: is contact where the map "
-            "is "
-            "low, or are its colours of another scale, or of none?",
+            "is low, or are its colours of another scale, or of none?",
             name, 100.0 * component.area / areas_.sum());
       } else if (component.area > kLargestTouch) {
         note(
