@@ -10,8 +10,8 @@
 
 namespace handgraft::io {
 
-/// What a file's lengths are multiplied with, by the diagonal of what it holds, which tells
-/// millimetres from metres. Empty: 1.
+/// What a file's lengths are multiplied with, by how large what it holds is
+/// (geometry/main_extent.h), which tells millimetres from metres. Empty: 1.
 using LengthScale = std::function<double(double extent)>;
 
 /// An object: a mesh as `readMesh` reads it, or a PLY that lists points and no face, with or
