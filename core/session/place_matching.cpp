@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -11,6 +13,8 @@
 #include "core/geometry/tangent.h"
 #include "core/hand/hand_parts.h"
 #include "core/session/dealing.h"
+#include "core/session/derived_state.h"
+#include "core/session/patch_matching.h"
 #include "core/session/patch_names.h"
 
 namespace handgraft::session {
@@ -65,6 +69,38 @@ bool areNeighbours(const hand::NamedDigit& digit, const std::string& a, const st
   };
   if (rank(a) == std::ssize(digit.segments)) return true;  // the digit alone is known
   return std::abs(rank(a) - rank(b)) <= 1;
+}
+
+bool isOnPalm(const DocumentPatch& patch) {
+  const auto place = hand::placeNamed(patch.site);
+  return patch.placement && place && place->digit == hand::kPalmPart;
+}
+
+/// A palm that keeps the fingers off what they would reach is left out: of the lemon that all
+/// of a human hand holds a claw reached one patch of four, and three of three without the palm.
+void leavePalmOut(const Models& models, Document& document, const Progress& progress) {
+  Document without = document;
+  std::ptrdiff_t others = 0;
+  for (DocumentPatch& patch : without.patches) {
+    if (isOnPalm(patch)) {
+      patch.placement.reset();
+      patch.dropped = fmt::format(
+          "without {} the hand reaches more of the others (a root on the hand brings it back)",
+          quoted(patch.name));
+    } else if (patch.placement) {
+      ++others;
+    }
+  }
+  if (without == document || others < 2) return;
+  DerivedState derived(std::make_shared<ModelCache>(
+      modelsFor(document, *models.hand, models.object_O, models.contacts)));
+  const auto lacking = [&](const Document& laid) {
+    derived.follow(laid, progress);
+    return worthOf(derived.solve(laid.solving, {}, progress)).first;
+  };
+  // The palm itself is lacking then, so that no fewer are reached in all.
+  const std::ptrdiff_t with_it = lacking(document);
+  if (with_it > 1 && lacking(without) < with_it) document = std::move(without);
 }
 
 }  // namespace
@@ -151,6 +187,7 @@ void matchByPlace(const Models& models,
     return;
   layDealt(models, coordinates, places,
            dealFingers(models, coordinates, places, document, progress), document);
+  if (models.frames.empty()) leavePalmOut(models, document, progress);
 }
 
 std::vector<char> linksOfSite(const hand::Hand& hand,

@@ -15,6 +15,7 @@
 #include "core/optimize/diagnosis.h"
 #include "core/session/dealing.h"
 #include "core/session/session.h"
+#include "core/transfer/patch_placement.h"
 
 #include "tests/core/session/library_models.h"
 
@@ -24,14 +25,24 @@ namespace {
 using test::handOfLibrary;
 using test::libraryPath;
 
+/// A lemon so large that a claw's palm reaches it, too.
+constexpr double kLarge = 1.3;
+
+/// The library's lemon, so much larger.
+io::MeshFile lemonOf(double times) {
+  io::MeshFile file = io::readMesh(libraryPath("objects/lemon.obj"));
+  file.mesh = geometry::TriangleMesh(times * file.mesh.vertices(), file.mesh.faces());
+  return file;
+}
+
 /// A lemon in a whole hand, as a map with labels tells it.
 struct LabelledLemon {
-  io::MeshFile file = io::readMesh(libraryPath("objects/lemon.obj"));
+  io::MeshFile file;
   std::shared_ptr<const geometry::TriangleMesh> mesh =
       std::make_shared<const geometry::TriangleMesh>(file.mesh);
   contact::ContactSet contacts = io::readContactSet(libraryPath("contacts/lemon_6.json"), file);
 
-  LabelledLemon() {
+  explicit LabelledLemon(double times = kLarge) : file(lemonOf(times)) {
     for (contact::Patch& patch : contacts.patches)
       if (patch.name != "palm") patch.name += "_distal";
   }
@@ -92,6 +103,31 @@ TEST(DealingFingers, TakesTheWayThatReachesMost) {
   }
   ASSERT_LT(fewest, most) << "no way is better than another";
   EXPECT_EQ(reachedOf(hand, lemon, lemon.contacts), most);
+}
+
+/// As large as it is, the palm's patch keeps a claw's fingers away.
+TEST(PalmsPatch, IsLeftOutWhereTheHandReachesMoreWithoutItAndComesBackByARoot) {
+  const hand::Hand hand = handOfLibrary("barrett8");
+  const LabelledLemon lemon(1.0);
+  Session session(hand, lemon.mesh, lemon.contacts, Pose::Identity(), {});
+  const auto palm = [&]() -> const SessionPatch& {
+    return session.patches().front();
+  };
+  ASSERT_EQ(palm().patch.name, "palm");
+  EXPECT_FALSE(palm().placement);
+  EXPECT_THAT(palm().dropped, testing::HasSubstr("without 'palm'"));
+  const Solution solution = session.solve(SolverSettings(), {}, Progress());
+  EXPECT_EQ(solution.report.patches.size(), 3u);
+  EXPECT_TRUE(optimize::missedPatches(solution.problem, solution.report).empty());
+
+  const auto site = std::find_if(hand.sites.begin(), hand.sites.end(), [](const auto& one) {
+    return one.name == "palm";
+  });
+  ASSERT_NE(site, hand.sites.end());
+  session.apply(PatchRootEdit{"palm", Side::kHand,
+                              transfer::placementAt(*hand.model, *hand.skin, *site).root_S});
+  EXPECT_TRUE(palm().placement);
+  EXPECT_EQ(palm().dropped, "");
 }
 
 /// Fingers without human names: what no finger takes is not laid on one piece by piece.
