@@ -204,7 +204,7 @@ std::set<std::string> changed(const v1::TransferReply& before, const v1::Transfe
 
 TEST(PatchEdits, ChangeTheReportOfThatPatchAlone) {
   const Service service;
-  LiveSession session(service, "barrett8", "lemon", "lemon_6");
+  LiveSession session(service, "human20", "lemon", "lemon_6");
   session.optimize();
   const v1::TransferReply first = session.transfer();
   v1::SurfacePoint root;

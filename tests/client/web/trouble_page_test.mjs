@@ -134,7 +134,7 @@ async function runsOn(page) {
 
 const tests = {
   async 'A malicious page is refused with a clear code, and others notice nothing'(address) {
-    const session = await openSession();
+    const session = await openSession('human20');
     const page = await openPage(`${address}?session=${session}`);
     await rest(page);
     const { port } = new URL(address);
