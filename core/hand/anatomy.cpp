@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/angle.h"
 #include "core/hand/part_words.h"
 
 namespace handgraft::hand {
@@ -28,6 +29,9 @@ constexpr double kSideBySide = 0.7;
 constexpr double kStubShare = 0.25;
 /// Cosine; palms that are found look no farther away from where the fingers close.
 constexpr double kPalmFacing = 0.5;
+
+/// Cosine (32 degrees); a palm's site that looks farther away is on a chamfer or a motor.
+constexpr double kPalmLeans = 0.85;
 
 constexpr std::array<const char*, 5> kOrder{"thumb", "index", "middle", "ring", "little"};
 
@@ -235,6 +239,15 @@ std::optional<Palm> palmOf(const Anatomy& anatomy, const std::optional<ToldPalm>
   return palm;
 }
 
+void noteAPalmThatLeans(const ToldPalm& told, Anatomy& anatomy) {
+  const double cosine = told.facing_S.dot(anatomy.palm->facing_S);
+  if (cosine > kPalmLeans) return;
+  anatomy.notes.push_back(fmt::format(
+      "the palm's site looks {:.0f} degrees away from where the fingers close: a sites file "
+      "beside the URDF may put it elsewhere",
+      inDegrees(std::acos(std::clamp(cosine, -1.0, 1.0)))));
+}
+
 /// What most names of the file say: right, left; unknown where they say neither.
 Chirality sideByNames(const HandModel& model) {
   int right = 0;
@@ -344,8 +357,10 @@ Anatomy anatomyOf(const HandModel& model,
                      };
                      return rank(a) < rank(b);
                    });
-  anatomy.palm = palmOf(anatomy, palmIn(sites, model, X_SL));
+  const std::optional<ToldPalm> told_palm = palmIn(sites, model, X_SL);
+  anatomy.palm = palmOf(anatomy, told_palm);
   if (anatomy.palm) turnThumbToFingers(model, X_SL, anatomy);
+  if (told_palm && anatomy.palm) noteAPalmThatLeans(*told_palm, anatomy);
 
   const Chirality told = sideByNames(model);
   anatomy.named_side = told;

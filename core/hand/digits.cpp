@@ -45,6 +45,10 @@ constexpr double kAcross = 0.6;
 /// close.
 constexpr double kJawsApart = 1e-3;  // m
 
+/// Cosine; where limits do not tell, a digit that leans more than that from the others closes
+/// the other way round.
+constexpr double kTowardsOthers = 0.5;
+
 /// m; a bar of a mechanism lies so near the plane in which its finger moves.
 constexpr double kInPlane = 0.008;  // m
 
@@ -265,6 +269,33 @@ bool isBarOf(const HandModel& model, const Digit& bar, const Digit& finger) {
          (bar.tip - bar.base).norm() < (finger.tip - finger.base).norm();
 }
 
+void turnRound(Digit& digit) {
+  digit.closing = -digit.closing;
+  digit.bone_closing = -digit.bone_closing;
+  digit.flexion_axis = -digit.flexion_axis;
+}
+
+/// Digits whose limits do not say to which side they close: as the others do, or, where none
+/// says it, towards each other: fingers with symmetric limits around a base.
+void orientUnclear(const std::vector<std::size_t>& unclear, std::vector<Digit>& digits) {
+  Eigen::Vector3d consensus = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < digits.size(); ++i)
+    if (std::find(unclear.begin(), unclear.end(), i) == unclear.end())
+      consensus += digits[i].closing;
+  if (unclear.size() < digits.size()) {
+    for (const std::size_t i : unclear)
+      if (digits[i].closing.dot(consensus) < 0.0) turnRound(digits[i]);
+    return;
+  }
+  for (Digit& digit : digits) {
+    Eigen::Vector3d to_others = Eigen::Vector3d::Zero();
+    for (const Digit& other : digits)
+      to_others += other.base - digit.base;
+    // Fingers in a row stand beside each other.
+    if (digit.closing.dot(to_others.normalized()) < -kTowardsOthers) turnRound(digit);
+  }
+}
+
 void orientJaws(const HandModel& model, const LinkPoses& X_SL, std::vector<Digit>& digits) {
   std::vector<std::size_t> still;
   for (std::size_t i = 0; i < digits.size(); ++i) {
@@ -335,17 +366,7 @@ Digits findDigits(const HandModel& model, const LinkPoses& X_SL) {
     result.digits.push_back(std::move(digit));
   }
 
-  Eigen::Vector3d consensus = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < result.digits.size(); ++i)
-    if (std::find(unclear.begin(), unclear.end(), i) == unclear.end())
-      consensus += result.digits[i].closing;
-  for (const std::size_t i : unclear) {
-    Digit& digit = result.digits[i];
-    if (digit.closing.dot(consensus) >= 0.0) continue;
-    digit.closing = -digit.closing;
-    digit.bone_closing = -digit.bone_closing;
-    digit.flexion_axis = -digit.flexion_axis;
-  }
+  orientUnclear(unclear, result.digits);
   orientJaws(model, X_SL, result.digits);
   const std::vector<Digit> all = result.digits;
   std::erase_if(result.digits, [&](const Digit& digit) {

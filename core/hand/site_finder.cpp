@@ -15,6 +15,8 @@ namespace {
 
 /// A pad's normal leans at most this far from the closing direction (cosine of 60 degrees).
 constexpr double kFacingCosine = 0.5;
+/// And rather less than this (32 degrees), if such a place is found: not a chamfer.
+constexpr double kFacingWell = 0.85;
 
 // === Places: rays against the skin
 
@@ -118,7 +120,7 @@ std::optional<ContactSite> findPad(const HandModel& model,
     const double facing = (X_SL[static_cast<std::size_t>(place->link_point.link)].linear() *
                            place->link_point.n_L)
                               .dot(digit.closing);
-    if (facing > 0.85) {
+    if (facing > kFacingWell) {
       best = place;
       break;
     }
@@ -136,6 +138,8 @@ std::optional<ContactSite> findPad(const HandModel& model,
 // Share of unit vectors' lengths that is left in their sum.
 constexpr double kAgreeing = 0.5;
 
+constexpr std::array<std::array<double, 2>, 4> kSides{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+
 Eigen::AlignedBox3d boxAround(const HandModel& model,
                               const LinkPoses& X_SL,
                               const std::vector<int>& links) {
@@ -145,6 +149,24 @@ Eigen::AlignedBox3d boxAround(const HandModel& model,
       for (int v = 0; v < shape.mesh_L.vertexCount(); ++v)
         box.extend(X_SL[static_cast<std::size_t>(link)] * shape.mesh_L.vertex(v));
   return box;
+}
+
+/// Whether the skin faces that way and is as high to all sides, where a patch would lie.
+bool isFlatAround(const Skin& skin,
+                  const Place& place,
+                  const Eigen::Vector3d& facing,
+                  const Eigen::Vector3d& wristwards,
+                  const std::vector<int>& links) {
+  constexpr double kReach = 0.008;   // m
+  constexpr double kUneven = 0.004;  // m
+  const Eigen::Vector3d v = facing.cross(wristwards).normalized();
+  const Eigen::Vector3d u = v.cross(facing);
+  return std::all_of(kSides.begin(), kSides.end(), [&](const auto& side) {
+    const auto beside =
+        shoot(skin, place.p_S + kReach * (side[0] * u + side[1] * v), facing, links);
+    return beside && beside->n_S.dot(facing) > kFacingWell &&
+           std::abs((beside->p_S - place.p_S).dot(facing)) < kUneven;
+  });
 }
 
 std::optional<ContactSite> findPalm(const HandModel& model,
@@ -192,15 +214,26 @@ std::optional<ContactSite> findPalm(const HandModel& model,
   const Eigen::AlignedBox3d box = boxAround(model, X_SL, links);
   if (box.isEmpty()) return std::nullopt;
 
+  // Where the middle is a chamfer, on a flat place if there is one, not in a notch beside it.
+  std::optional<Place> best;
+  int best_merit = 0;
   for (const double share : {0.5, 0.35, 0.65, 0.2, 0.0, 0.8, 1.0}) {
     const Eigen::Vector3d origin = (1.0 - share) * bases + share * box.center();
-    if (const auto place = shoot(skin, origin, facing, links)) {
-      ContactSite site = siteAt(model, X_SL, *place, wristwards);
-      site.name = "palm";
-      return site;
-    }
+    const auto place = shoot(skin, origin, facing, links);
+    if (!place) continue;
+    const bool is_first = best_merit == 0;
+    int merit = 1;
+    if (place->n_S.dot(facing) > kFacingWell)
+      merit = is_first || isFlatAround(skin, *place, facing, wristwards, links) ? 3 : 2;
+    if (merit <= best_merit) continue;
+    best = place;
+    best_merit = merit;
+    if (merit == 3) break;
   }
-  return std::nullopt;
+  if (!best) return std::nullopt;
+  ContactSite site = siteAt(model, X_SL, *best, wristwards);
+  site.name = "palm";
+  return site;
 }
 
 }  // namespace

@@ -52,20 +52,48 @@ HandModel coupledHand() {
   return handOfText("coupled", links);
 }
 
-/// Three like fingers about a base's axis, +z, that close towards it.
-HandModel handOfThree() {
+/// Fingers to +z that close to +x above a palm whose edge towards them is a chamfer of 45
+/// degrees; behind it the palm may be flat.
+HandModel chamferedHand(bool has_flat) {
+  std::string links =
+      "<link name='palm'><visual><origin xyz='0 0 -0.0177' rpy='0 -0.785398 0'/><geometry>"
+      "<box size='0.05 0.08 0.05'/></geometry></visual>";
+  if (has_flat)
+    links +=
+        "<visual><origin xyz='0.0 0 -0.0577'/><geometry><box size='0.0707 0.08 0.08'/>"
+        "</geometry></visual>";
+  links += "</link>";
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = i == 0 ? "index" : i == 1 ? "middle" : "ring";
+    links += boxLink(name + "_1", "0.012 0.014 0.048", "0 0 0.025");
+    links += boxLink(name + "_2", "0.012 0.014 0.048", "0 0 0.025");
+    links += hinge(name + "_a", "palm", name + "_1",
+                   fmt::format("xyz='0 {} 0.02'", 0.025 - 0.025 * i), "0 1 0");
+    links += hinge(name + "_b", name + "_1", name + "_2", "xyz='0 0 0.05'", "0 1 0");
+  }
+  return handOfText("chamfered", links);
+}
+
+/// Three like fingers about a base's axis, +z, that close towards it; or with limits that do
+/// not say so, and axes this way and that.
+HandModel handOfThree(bool says_how_they_close = true) {
   std::string links = boxLink("base", "0.09 0.09 0.03", "0 0 -0.015");
   for (int i = 0; i < 3; ++i) {
     const std::string name = fmt::format("finger_{}", i);
     const double turn = 2.0 * 3.14159265358979 * i / 3.0;
+    const char* axis = says_how_they_close || i == 1 ? "0 -1 0" : "0 1 0";
     links += boxLink(name + "_1", "0.014 0.014 0.048", "0 0 0.025");
     links += boxLink(name + "_2", "0.014 0.014 0.048", "0 0 0.025");
     links += hinge(name + "_a", "base", name + "_1",
                    fmt::format("xyz='{} {} 0' rpy='0 0 {}'", 0.04 * std::cos(turn),
                                0.04 * std::sin(turn), turn),
-                   "0 -1 0");
-    links += hinge(name + "_b", name + "_1", name + "_2", "xyz='0 0 0.05'", "0 -1 0");
+                   axis);
+    links += hinge(name + "_b", name + "_1", name + "_2", "xyz='0 0 0.05'", axis);
   }
+  if (!says_how_they_close)
+    for (auto at = links.find("lower='0'"); at != std::string::npos;
+         at = links.find("lower='0'"))
+      links.replace(at, 9, "lower='-1.6'");
   return handOfText("three", links);
 }
 
@@ -146,6 +174,47 @@ TEST(Palm, OfFingersAllAroundItLooksAlongThem) {
   EXPECT_EQ(palm->link, "base");
   EXPECT_GT(palm->n_L.z(), 0.95) << palm->n_L.transpose();
   EXPECT_LT(palm->p_L.head<2>().norm(), 0.03);
+}
+
+TEST(Palm, OfFingersAllAroundItWhoseLimitsSayNothingIsBetweenThem) {
+  const HandModel model = handOfThree(false);
+  const auto sites = sitesOf(model);
+  LinkPoses X_SL;
+  forwardKinematics(model, Pose::Identity(), skinReferencePose(model), X_SL);
+  ASSERT_EQ(sites.size(), 4u);
+  for (const ContactSite& site : sites) {
+    const Eigen::Affine3d X_SLink(X_SL[static_cast<std::size_t>(model.linkIndex(site.link))]);
+    const Eigen::Vector3d n_S = X_SLink.linear() * site.n_L;
+    if (site.name == "palm") {
+      EXPECT_GT(n_S.z(), 0.95) << n_S.transpose();
+    } else {
+      const Eigen::Vector2d inwards = -X_SLink.translation().head<2>().normalized();
+      EXPECT_GT(n_S.head<2>().dot(inwards), 0.7) << site.name << ": " << n_S.transpose();
+    }
+  }
+}
+
+TEST(Palm, IsNotOnAChamferWhereItHasAFlatPlace) {
+  const HandModel model = chamferedHand(true);
+  const auto sites = sitesOf(model);
+  const ContactSite* palm = palmIn(sites);
+  ASSERT_NE(palm, nullptr);
+  EXPECT_GT(palm->n_L.x(), 0.95) << palm->n_L.transpose();
+  EXPECT_LT(palm->p_L.z(), -0.025) << "not on its edge";
+  LinkPoses X_SL;
+  forwardKinematics(model, Pose::Identity(), skinReferencePose(model), X_SL);
+  EXPECT_TRUE(anatomyOf(model, X_SL, sites).notes.empty());
+}
+
+TEST(Palm, ThatIsAllChamferIsTold) {
+  const HandModel model = chamferedHand(false);
+  const auto sites = sitesOf(model);
+  ASSERT_NE(palmIn(sites), nullptr);
+  LinkPoses X_SL;
+  forwardKinematics(model, Pose::Identity(), skinReferencePose(model), X_SL);
+  const std::vector<std::string> notes = anatomyOf(model, X_SL, sites).notes;
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes.front().find("looks 45 degrees away"), std::string::npos) << notes.front();
 }
 
 TEST(Thumb, IsWhatStandsAgainstTheOthersThoughItAloneIsCalledMiddle) {
