@@ -96,7 +96,7 @@ const std::vector<Layer> all_layers = {
      {"eigen", "fmt"}},
     {"client/include", {"core/base", "client/link", "idl"}, {}},  // handgraft/client.h
     {"client/examples", {}, {"handgraft"}},
-    {"client/python", {"core/base", "client/gateway", "client/link", "idl"}, {"fmt"}},
+    {"client/python", {"core/base", "client/gateway", "client/link", "idl"}, {"eigen", "fmt"}},
     {"client/present", {"core/base", "client/link", "idl", "idl/cyclone"}, {"eigen", "fmt"}},
     {"client/editor",
      {"core/base", "client/link", "client/present", "idl", "idl/cyclone"},

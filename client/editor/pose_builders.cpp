@@ -4,8 +4,8 @@
 
 #include "client/editor/edit_builders.h"
 #include "client/editor/match_values.h"
-#include "client/editor/surface_pick.h"
 #include "client/link/pose_file.h"
+#include "client/link/surface_pick.h"
 #include "core/base/error.h"
 #include "idl/fields.h"
 

@@ -2,6 +2,7 @@
 /// (handgraft/__init__.py) makes numpy arrays and names of it.
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <deque>
 #include <map>
@@ -11,6 +12,8 @@
 #include <utility>
 #include <variant>
 
+#include <Eigen/Core>
+
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -18,7 +21,9 @@
 #include "client/link/client.h"
 #include "client/link/demonstration.h"
 #include "client/link/model_files.h"
+#include "client/link/pose_file.h"
 #include "client/link/session.h"
+#include "client/link/surface_pick.h"
 #include "client/python/page.h"
 #include "client/python/python_message.h"
 #include "core/base/error.h"
@@ -82,6 +87,29 @@ py::object send(client::Client& server, client::ModelFiles model, bool replace_n
   }
   model.name = client::nameApart(model);
   return awaitDict(server.load(std::move(model)));
+}
+
+/// The place nearest to a point on a hand's skin or an object's mesh, and its distance, m.
+py::dict nearest(client::Client& server,
+                 const std::string& side,
+                 const std::string& name,
+                 const std::array<double, 3>& point) {
+  const v1::ModelDescription model = await(server.describe(kindFrom(side), name, true));
+  const v1::Mesh& mesh = side == "object" ? model.object().mesh_O() : model.hand().skin_S();
+  const Eigen::Vector3d p(point[0], point[1], point[2]);
+  v1::SurfacePoint root = client::nearestPoint(mesh, p);
+  return py::dict("root"_a = dictOf(root),
+                  "distance_m"_a = (client::positionOf(mesh, root) - p).norm());
+}
+
+/// A pose's file, as the PriorEdit that has it as prior and start.
+py::object poseFile(const std::string& path) {
+  const client::PoseFile pose = client::readPose(path);
+  v1::PriorEdit edit;
+  edit.joints(pose.joints);
+  edit.joint_positions(pose.joint_rad);
+  if (pose.X_WH) edit.X_WH().push_back(*pose.X_WH);
+  return dictOf(edit);
 }
 
 /// A live session; keeps its client alive.
@@ -285,6 +313,7 @@ void defineModels(ClientClass& type) {
             return send(server, std::move(model), false);
           },
           "name"_a, "object"_a, "plan"_a, "texts"_a)
+      .def("nearest", &nearest, "side"_a, "name"_a, "point"_a)
       .def(
           "unload",
           [](Client& server, const std::string& kind, const std::string& name) {
@@ -460,6 +489,7 @@ PYBIND11_MODULE(_handgraft, module) {
   module.doc() = "The client library; use the package handgraft.";
   defineErrors();
   module.def("is_path", &client::isPath, "text"_a);
+  module.def("pose_file", &poseFile, "path"_a);
   defineServer(module);
   defineSession(module);
 }

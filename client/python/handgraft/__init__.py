@@ -25,13 +25,15 @@ from . import _handgraft
 from .errors import Cancelled, Error, InvalidInput, NoServer, Refused, SolveFailed, TransportError
 from .motions import Demonstrator, Motion, PatchOverTime
 from .poses import Depth, Patch, Pose
+from .reports import Difference, Suggestion
 from .server import Server
 from .session import Session
 from .studies import Sweep
 from .view import View
 
 __all__ = [
-    "connect", "Server", "Session", "Pose", "Patch", "Depth", "Motion", "PatchOverTime", "Demonstrator", "Sweep", "View",
+    "connect", "Server", "Session", "Pose", "Patch", "Depth", "Motion", "PatchOverTime", "Demonstrator", "Sweep",
+    "Suggestion", "Difference", "View",
     "Error", "InvalidInput", "Refused", "NoServer", "SolveFailed", "Cancelled", "TransportError",
 ]
 

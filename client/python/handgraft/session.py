@@ -1,26 +1,26 @@
-"""One session on a server: edits, and the poses that answer them."""
+"""One session on a server: the poses that answer its edits, and what can be asked about it."""
 
 from __future__ import annotations
 
 import contextlib
 import pathlib
 import time
-import warnings
 from typing import TYPE_CHECKING, Any, Iterator, Sequence
 
 import numpy as np
 
 from . import _handgraft
+from .edits import Edits
 from .errors import Cancelled, Error, InvalidInput, NoServer, Refused, SolveFailed
 from .motions import Demonstrator, Motion
-from .poses import Pose, message_of
+from .poses import Pose
 from .view import View, web_folder
 
 if TYPE_CHECKING:
     from .server import Server
 
 
-class Session:
+class Session(Edits):
     """A grasp under way on the server: edits, and the poses that answer them.
 
     Made by `Server.open`. As a context manager it is closed at the end; without, it stays open until
@@ -216,78 +216,6 @@ class Session:
                 break
         patches = self._server.describe("motion", state["motion"])["patches"]
         return Motion(frames, state["joint_names"], patches, summary, reply["revision"])
-
-    # === Edits; each is answered by a fresh pose: `pose()` waits for it
-
-    def edit(self, kind: str, member: str | None = None, value: Any = None) -> str:
-        """Any edit of idl/edits.idl: its kind, the member that it chooses, and that as a dict.
-
-        Returns what the server has to say of it, mostly nothing.
-        """
-        body = {"kind": kind} if member is None else {"kind": kind, member: value}
-        reply = self._session.edit(body, 0, self._when)
-        self._revision = reply["revision"]
-        return reply["message"]
-
-    def lock(self, joint: str, locked: bool = True) -> None:
-        """Holds a joint where it is, or lets it go; in a motion in the middle of what it does, `at` a time where it is then."""
-        self.edit("joint_lock", "joint_lock", {"joint": joint, "locked": bool(locked)})
-
-    def limit(self, joint: str, lower: float, upper: float) -> None:
-        """A joint's range, rad or m; warns where angles seem to be degrees, or metres millimetres."""
-        said = self.edit("joint_limit", "joint_limit", {"joint": joint, "lower": lower, "upper": upper})
-        if said:
-            warnings.warn(said, stacklevel=2)
-
-    def hold(self, joint: str, value: float, weight: float = 1.0) -> None:
-        """Holds a joint near a value by so many times the prior's weight; 0 lets it go."""
-        self.edit("joint_soft", "joint_soft", {"joint": joint, "value": value, "weight": weight})
-
-    def weigh(self, patch: str, weight: float) -> None:
-        """What a patch counts; 0 switches it off."""
-        self.edit("patch_weight", "patch_weight", {"patch": patch, "weight": weight})
-
-    def enable(self, patch: str, enabled: bool = True) -> None:
-        """Has a patch count, or not."""
-        self.edit("patch_enabled", "patch_enabled", {"patch": patch, "enabled": bool(enabled)})
-
-    def turn(self, patch: str, angle: float, side: str = "hand") -> None:
-        """Turns a patch about the outward normal, counter-clockwise, on the hand or the object."""
-        self.edit("patch_direction", "patch_direction", {"patch": patch, "side": side, "angle_rad": angle})
-
-    def place(self, X_WO: np.ndarray) -> None:
-        """Moves the object: its pose in the world, 4x4."""
-        self.edit("object_pose", "X_WO", message_of(X_WO))
-
-    def weights(self, distance: float, normal: float, prior: float) -> None:
-        """What distances (1/m^2), normals and the prior count."""
-        self.edit("weights", "weights", {"distance": distance, "normal": normal, "prior": prior})
-
-    def drag(self, link: str, p_L: Sequence[float], target_W: Sequence[float], weight: float = 1.0) -> None:
-        """Moves a point of a link (m, in the link's frame) to a place in the world, and holds it there until `release`.
-
-        ``weight`` 1 holds it 20 times as firmly as all patches together; 0: the next solve may take it back. Warns
-        where it falls short of its target.
-        """
-        said = self.edit("drag", "drag", {"link": link, "p_L_m": p_L, "target_W_m": target_W, "weight": weight})
-        if said:
-            warnings.warn(said, stacklevel=2)
-
-    def release(self, link: str = "") -> None:
-        """Lets go what was dragged of a link, or all of it."""
-        self.edit("release", "release", {"link": link})
-
-    def choose(self, rank: int) -> None:
-        """Takes one of the places where searches ended, as `Pose.minima` ranks them; 0 is the best."""
-        self.edit("choice", "choice", {"rank": rank})
-
-    def undo(self, count: int = 1) -> None:
-        """Takes back edits."""
-        self.edit("undo", "steps", {"count": count})
-
-    def redo(self, count: int = 1) -> None:
-        """Brings back edits that were taken back."""
-        self.edit("redo", "steps", {"count": count})
 
     # === Looking
 

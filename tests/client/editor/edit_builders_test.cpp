@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "client/editor/command_table.h"
-#include "client/editor/surface_pick.h"
+#include "client/link/surface_pick.h"
 #include "core/base/error.h"
 
 #include "tests/client/editor/small_context.h"

@@ -4,7 +4,7 @@
 
 #include "idl/common.h"
 
-namespace handgraft::client::editor {
+namespace handgraft::client {
 
 /// The point of a mesh that is nearest to `p`, in the mesh's own frame; the first face wins
 /// where several are equally near.
@@ -18,4 +18,4 @@ Eigen::Vector3d positionOf(const v1::Mesh& mesh, const v1::SurfacePoint& point);
 /// The vertex that lies furthest along `direction`. Errors as of `nearestPoint`.
 Eigen::Vector3d furthestVertex(const v1::Mesh& mesh, const Eigen::Vector3d& direction);
 
-}  // namespace handgraft::client::editor
+}  // namespace handgraft::client

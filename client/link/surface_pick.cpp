@@ -1,4 +1,4 @@
-#include "client/editor/surface_pick.h"
+#include "client/link/surface_pick.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 
-namespace handgraft::client::editor {
+namespace handgraft::client {
 
 namespace {
 
@@ -110,4 +110,4 @@ Eigen::Vector3d furthestVertex(const v1::Mesh& mesh, const Eigen::Vector3d& dire
   return furthest;
 }
 
-}  // namespace handgraft::client::editor
+}  // namespace handgraft::client

@@ -1,0 +1,239 @@
+"""What can be edited in a session; the prompt's words, as functions."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from typing import TYPE_CHECKING, Any, Mapping, Sequence
+
+import numpy as np
+
+from . import _handgraft
+from .errors import InvalidInput
+from .poses import Pose, matrix_of, message_of
+from .reports import Difference, Suggestion
+
+if TYPE_CHECKING:
+    from .server import Server
+
+_SIDES = ("hand", "object")
+_FARTHEST_ROOT_M = 0.05  # as the prompt has it: numbers in another unit or frame are farther
+
+
+class Edits:
+    """Of a `Session`. Each is answered by a fresh pose: `Session.pose` waits for it."""
+
+    _session: _handgraft.Session
+    _server: Server
+    _revision: int
+    _when: dict[str, float] | None
+
+    def edit(self, kind: str, member: str | None = None, value: Any = None) -> str:
+        """Any edit of idl/edits.idl: its kind, the member that it chooses, and that as a dict.
+
+        Returns what the server has to say of it, mostly nothing.
+        """
+        body = {"kind": kind} if member is None else {"kind": kind, member: value}
+        reply = self._session.edit(body, 0, self._when)
+        self._revision = reply["revision"]
+        return reply["message"]
+
+    def lock(self, joint: str, locked: bool = True) -> None:
+        """Holds a joint where it is, or lets it go; in a motion in the middle of what it does, `at` a time where it is then."""
+        self.edit("joint_lock", "joint_lock", {"joint": joint, "locked": bool(locked)})
+
+    def limit(self, joint: str, lower: float, upper: float) -> None:
+        """A joint's range, rad or m; warns where angles seem to be degrees, or metres millimetres."""
+        self._warning("joint_limit", "joint_limit", {"joint": joint, "lower": lower, "upper": upper})
+
+    def hold(self, joint: str, value: float, weight: float = 1.0) -> None:
+        """Holds a joint near a value by so many times the prior's weight; 0 lets it go."""
+        self.edit("joint_soft", "joint_soft", {"joint": joint, "value": value, "weight": weight})
+
+    def weigh(self, patch: str, weight: float) -> None:
+        """What a patch counts; 0 switches it off."""
+        self.edit("patch_weight", "patch_weight", {"patch": patch, "weight": weight})
+
+    def enable(self, patch: str, enabled: bool = True) -> None:
+        """Has a patch count, or not."""
+        self.edit("patch_enabled", "patch_enabled", {"patch": patch, "enabled": bool(enabled)})
+
+    def turn(self, patch: str, angle: float, side: str = "hand") -> None:
+        """Turns a patch about the outward normal, counter-clockwise, on the hand or the object."""
+        self.edit("patch_direction", "patch_direction", {"patch": patch, "side": side, "angle_rad": angle})
+
+    def place(self, X_WO: np.ndarray) -> None:
+        """Moves the object: its pose in the world, 4x4."""
+        self.edit("object_pose", "X_WO", message_of(X_WO))
+
+    def weights(self, distance: float, normal: float, prior: float) -> None:
+        """What distances (1/m^2), normals and the prior count."""
+        self.edit("weights", "weights", {"distance": distance, "normal": normal, "prior": prior})
+
+    def drag(self, link: str, p_L: Sequence[float], target_W: Sequence[float], weight: float = 1.0) -> None:
+        """Moves a point of a link (m, in the link's frame) to a place in the world, and holds it there until `release`.
+
+        ``weight`` 1 holds it 20 times as firmly as all patches together; 0: the next solve may take it back. Warns
+        where it falls short of its target.
+        """
+        self._warning("drag", "drag", {"link": link, "p_L_m": p_L, "target_W_m": target_W, "weight": weight})
+
+    def release(self, link: str = "") -> None:
+        """Lets go what was dragged of a link, or all of it."""
+        self.edit("release", "release", {"link": link})
+
+    # === Where a patch lies
+
+    def root(self, patch: str, side: str = "hand", *, pick: str | None = None, at: Sequence[float] | None = None,
+             face: Sequence[float] | None = None) -> None:
+        """Puts a patch's root somewhere on the hand's skin, or, with ``side="object"``, on the object's mesh.
+
+        On a site of the hand (``pick="index"``); on the surface's place nearest to a point (``at``: m, in the frame of
+        the object or of the skin); or on a face (``face``: its number and three weights that sum to 1).
+        """
+        if side not in _SIDES:
+            raise InvalidInput(f"side {side!r}: permitted are {', '.join(_SIDES)}")
+        if [pick is None, at is None, face is None].count(False) != 1:
+            raise InvalidInput(f"root of patch {patch!r}: one of pick, at and face has to be given, no two")
+        if pick is not None:
+            if side != "hand":
+                raise InvalidInput(f"pick {pick!r}: sites are of the hand; side is {side!r}")
+            root, _ = self._nearest(side, self._place_on_skin(pick))
+        elif at is not None:
+            point = _numbers("at", at, 3)
+            root, distance = self._nearest(side, point)
+            if not distance <= _FARTHEST_ROOT_M:
+                surface = "object's surface" if side == "object" else "hand's skin"
+                raise InvalidInput(f"at {point.tolist()}: it is {1e3 * distance:.0f} mm from the {surface}; at most "
+                                   f"{1e3 * _FARTHEST_ROOT_M:.0f} mm are permitted")
+        else:
+            number, *weights = _numbers("face", face, 4)
+            if number != int(number) or number < 0:
+                raise InvalidInput(f"face {number:g}: it must be a whole number, 0 or more")
+            if min(weights) < 0 or abs(sum(weights) - 1) > 1e-3:
+                raise InvalidInput(f"face: weights {weights}: they must not be negative and sum to 1")
+            root = {"face": int(number), "barycentric": np.array(weights) / sum(weights)}
+        self.edit("patch_root", "patch_root", {"patch": patch, "side": side, "root": root})
+
+    def suggest(self, patch: str, *, reach: float = 0.0, count: int = 0, apply: int = 0) -> list[Suggestion]:
+        """Places on the hand nearby where a patch loses fewer points, best first; empty: none is better.
+
+        ``reach``: how far the root may move, m (1e-4 to 0.1; 0: 0.01); ``count``: at most so many (1 to 100; 0: 5).
+        ``apply`` takes one, counted from 1, by edits of root and direction; 0 takes none.
+        """
+        if not (reach == 0.0 or 1e-4 <= reach <= 0.1):
+            raise InvalidInput(f"reach {reach!r}: it must be 1e-4 to 0.1 (m), or 0")
+        if count != int(count) or not 0 <= count <= 100:
+            raise InvalidInput(f"count {count!r}: it must be 0 to 100")
+        request = {"session_id": self._session.id, "patch": patch, "reach_m": reach, "count": count}
+        reply = self._server._client.ask({"kind": "suggest", "suggest": request})["suggest"]
+        suggestions = [Suggestion(one) for one in reply["suggestions"]]
+        if apply:
+            if not 1 <= apply <= len(suggestions):
+                raise InvalidInput(f"apply {apply!r}: there are {len(suggestions)} suggestions, counted from 1")
+            chosen = suggestions[apply - 1]
+            self.edit("patch_root", "patch_root", {"patch": patch, "side": "hand", "root": chosen.message["root_S"]})
+            if chosen.turned_rad:
+                self.turn(patch, chosen.turned_rad)
+        return suggestions
+
+    def _place_on_skin(self, site: str) -> np.ndarray:
+        hand = self._server.describe("hand", self._session.state()["hand"], meshes=True)
+        sites = {one["name"]: one for one in hand["sites"]}
+        if site not in sites:
+            raise InvalidInput(f"pick {site!r}: the hand has no such site; there are {', '.join(sites)}")
+        link = [one["name"] for one in hand["links"]].index(sites[site]["link"])
+        return (matrix_of(hand["X_SL"][link]) @ [*sites[site]["p_L_m"], 1.0])[:3]
+
+    def _nearest(self, side: str, point: np.ndarray) -> tuple[dict[str, Any], float]:
+        """The surface's place nearest to a point, and how far it is, m."""
+        found = self._server._client.nearest(side, self._session.state()[side], point.tolist())
+        return found["root"], found["distance_m"]
+
+    # === Prior and start
+
+    def joint(self, joint: str, value: float) -> None:
+        """Bends a joint, rad or m: the pose becomes prior and start."""
+        self.prior({joint: value})
+
+    def prior(self, pose: str | os.PathLike[str] | Pose | Mapping[str, float], X_WH: np.ndarray | None = None) -> None:
+        """A pose becomes prior and start: of the next solve, and what a solution stays near to.
+
+        ``"rest"``: the hand's rest pose, the palm stays; ``"here"``: the last solution; a `Pose`; joints by name,
+        rad or m, of those that change; or the path of a pose's file (``grasp --out`` writes one). ``X_WH``: the
+        hand's root, where it is not told by these; None: it stays.
+        """
+        edit = self._prior_of(pose)
+        if X_WH is not None:
+            edit["X_WH"] = message_of(X_WH)
+        self._warning("prior", "prior", edit)
+
+    def _prior_of(self, pose: Any) -> dict[str, Any]:
+        if isinstance(pose, str) and pose == "here":
+            pose = self.pose(diagnosed=False)  # type: ignore[attr-defined]
+        if isinstance(pose, Pose):
+            return {"X_WH": pose.message["X_WH"], "joints": pose.joint_names, "joint_positions": pose.joints}
+        if isinstance(pose, str) and pose == "rest":
+            hand = self._server.describe("hand", self._session.state()["hand"])
+            return {"joints": [joint["name"] for joint in hand["joints"]], "joint_positions": hand["rest_positions"]}
+        if isinstance(pose, Mapping):
+            return {"joints": list(pose), "joint_positions": list(pose.values())}
+        if isinstance(pose, os.PathLike) or isinstance(pose, str) and _handgraft.is_path(pose):
+            return _handgraft.pose_file(os.fspath(pose))
+        raise InvalidInput(f"prior {pose!r}: permitted are 'rest', 'here', a pose, joints by name, the path of a pose's "
+                           "file")
+
+    def prior_shares(self, rotation: float, place: float, joints: float) -> None:
+        """How firmly the prior holds the palm's rotation, its place and the joints; 1, 1, 1 is the paper's."""
+        self._share(root_rotation=rotation, root_translation=place, joints=joints)
+
+    def prior_posture(self, share: float) -> None:
+        """How firmly a first solve holds the hand's posture; 0: not at all."""
+        self._share(posture=share)
+
+    def _share(self, **shares: float) -> None:
+        stand = self._session.settings()["prior_shares"]
+        self.edit("prior_shares", "prior_shares", {**stand, **shares})
+
+    # === Back and forth
+
+    def choose(self, rank: int) -> None:
+        """Takes one of the places where searches ended, as `Pose.minima` ranks them; 0 is the best."""
+        self.edit("choice", "choice", {"rank": rank})
+
+    def undo(self, count: int = 1) -> None:
+        """Takes back edits."""
+        self.edit("undo", "steps", {"count": count})
+
+    def redo(self, count: int = 1) -> None:
+        """Brings back edits that were taken back."""
+        self.edit("redo", "steps", {"count": count})
+
+    # === Snapshots
+
+    def snapshot(self, name: str) -> None:
+        """Remembers the session as it is under a name."""
+        self.edit("snapshot", "snapshot", {"name": name})
+
+    def restore(self, snapshot: str) -> None:
+        """Makes the session as it was at a snapshot."""
+        self.edit("restore", "snapshot", {"name": snapshot})
+
+    def compare(self, snapshot: str, other: str = "") -> list[Difference]:
+        """What differs between a snapshot and now, or another snapshot; empty: nothing."""
+        request = {"session_id": self._session.id, "a": snapshot, "b": other}
+        reply = self._server._client.ask({"kind": "compare", "compare": request})["compare"]
+        return [Difference(**one) for one in reply["differences"]]
+
+    def _warning(self, kind: str, member: str, value: Any) -> None:
+        """An edit whose answer, where there is one, is a warning to who called its function."""
+        said = self.edit(kind, member, value)
+        if said:
+            warnings.warn(said, stacklevel=3)
+
+
+def _numbers(name: str, values: Any, count: int) -> np.ndarray:
+    numbers = np.asarray(values, dtype=float)
+    if numbers.shape != (count,) or not np.isfinite(numbers).all():
+        raise InvalidInput(f"{name} {values!r}: it must be {count} finite numbers")
+    return numbers
