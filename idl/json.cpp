@@ -127,9 +127,16 @@ Number wholeFrom(const Json& json, const Field& field, const std::string& path) 
   const char* end = text.data() + text.size();
   const auto [rest, error] = std::from_chars(text.data(), end, number);
   if (error != std::errc() || rest != end) {
-    throw InvalidField(path, fmt::format("{} is outside {} to {}", shown(json),
-                                         std::numeric_limits<Number>::min(),
-                                         std::numeric_limits<Number>::max()));
+    constexpr auto kLeast = std::numeric_limits<Number>::min();
+    constexpr auto kMost = std::numeric_limits<Number>::max();
+    // Of those bounds the field's own where they are narrower.
+    throw InvalidField(
+        path,
+        fmt::format("{} is outside {} to {}", text,
+                    field.least > static_cast<double>(kLeast) ? fmt::to_string(field.least)
+                                                              : fmt::to_string(kLeast),
+                    field.most < static_cast<double>(kMost) ? fmt::to_string(field.most)
+                                                            : fmt::to_string(kMost)));
   }
   checkNumber(static_cast<double>(number), field, path);
   return number;

@@ -2,17 +2,13 @@
 /// (handgraft/__init__.py) makes numpy arrays and names of it.
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <deque>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <variant>
-
-#include <Eigen/Core>
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -23,7 +19,8 @@
 #include "client/link/model_files.h"
 #include "client/link/pose_file.h"
 #include "client/link/session.h"
-#include "client/link/surface_pick.h"
+#include "client/python/awaiting.h"
+#include "client/python/model_functions.h"
 #include "client/python/page.h"
 #include "client/python/python_message.h"
 #include "core/base/error.h"
@@ -39,23 +36,6 @@ namespace {
 void checkSignals() {
   const py::gil_scoped_acquire gil;
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-}
-
-/// Waits without the GIL.
-template <class T>
-T await(client::Pending<T> pending) {
-  const py::gil_scoped_release released;
-  return pending.get();
-}
-
-template <class T>
-py::object awaitDict(client::Pending<T> pending) {
-  return dictOf(await(std::move(pending)));
-}
-
-v1::ModelKind kindFrom(const std::string& name) {
-  return static_cast<v1::ModelKind>(
-      idl::requireValue(idl::typeOf<v1::ModelKind>(), name, "kind"));
 }
 
 std::shared_ptr<client::Client> connect(int domain,
@@ -75,31 +55,6 @@ std::shared_ptr<client::Client> connect(int domain,
   options.on_notice = [](const std::string& /*line*/) {};
   const py::gil_scoped_release released;
   return std::make_shared<client::Client>(std::move(options));
-}
-
-/// Sends a model. Where the server has another one of that name, this one is told apart by a
-/// hash of its content.
-py::object send(client::Client& server, client::ModelFiles model, bool replace_name) {
-  try {
-    return awaitDict(server.load(model));
-  } catch (const client::Refused& refused) {
-    if (refused.code() != v1::ERROR_CONFLICT || !replace_name) throw;
-  }
-  model.name = client::nameApart(model);
-  return awaitDict(server.load(std::move(model)));
-}
-
-/// The place nearest to a point on a hand's skin or an object's mesh, and its distance, m.
-py::dict nearest(client::Client& server,
-                 const std::string& side,
-                 const std::string& name,
-                 const std::array<double, 3>& point) {
-  const v1::ModelDescription model = await(server.describe(kindFrom(side), name, true));
-  const v1::Mesh& mesh = side == "object" ? model.object().mesh_O() : model.hand().skin_S();
-  const Eigen::Vector3d p(point[0], point[1], point[2]);
-  v1::SurfacePoint root = client::nearestPoint(mesh, p);
-  return py::dict("root"_a = dictOf(root),
-                  "distance_m"_a = (client::positionOf(mesh, root) - p).norm());
 }
 
 /// A pose's file, as the PriorEdit that has it as prior and start.
@@ -245,82 +200,6 @@ struct WithoutGil {
 };
 
 using client::Client;
-using ClientClass = py::class_<Client, std::shared_ptr<Client>>;
-
-void defineModels(ClientClass& type) {
-  type.def("list_models",
-           [](Client& server) {
-             return awaitDict(server.listModels());
-           })
-      .def(
-          "describe",
-          [](Client& server, const std::string& kind, const std::string& name, bool meshes) {
-            return awaitDict(server.describe(kindFrom(kind), name, meshes));
-          },
-          "kind"_a, "name"_a, "meshes"_a)
-      .def(
-          "load_hand",
-          [](Client& server, const std::string& path, const std::string& name,
-             const std::string& units, const std::map<std::string, std::string>& packages,
-             const py::dict& options) {
-            client::HandReading reading;
-            for (const auto& [package, folder] : packages)
-              reading.packages[package] = folder;
-            reading.options = messageOf<v1::HandOptions>(options);
-            client::ModelFiles model = client::handFiles(path, reading, units);
-            if (!name.empty()) model.name = name;
-            return send(server, std::move(model), name.empty());
-          },
-          "path"_a, "name"_a, "units"_a, "packages"_a, "options"_a)
-      .def(
-          "load_object",
-          [](Client& server, const std::string& path, const std::string& name,
-             const std::string& units) {
-            client::ModelFiles model = client::objectFiles(path, units);
-            if (!name.empty()) model.name = name;
-            return send(server, std::move(model), name.empty());
-          },
-          "path"_a, "name"_a, "units"_a)
-      .def(
-          "load_contacts",
-          [](Client& server, const std::string& path, const std::string& object,
-             const std::string& name, const std::string& units, const py::dict& options) {
-            client::ContactReading reading;
-            reading.options = messageOf<v1::ContactOptions>(options);
-            client::ModelFiles model = client::contactFiles(path, object, reading, units);
-            if (!name.empty()) model.name = name;
-            return send(server, std::move(model), name.empty());
-          },
-          "path"_a, "object"_a, "name"_a, "units"_a, "options"_a)
-      .def(
-          "load_motion",
-          [](Client& server, const std::string& path, const std::string& object,
-             const std::string& name) {
-            client::ModelFiles model = client::motionFiles(path, object);
-            if (!name.empty()) model.name = name;
-            return send(server, std::move(model), name.empty());
-          },
-          "path"_a, "object"_a, "name"_a)
-      .def(
-          "load_planned_motion",
-          [](Client& server, const std::string& name, const std::string& object,
-             const std::string& plan, const std::map<std::string, std::string>& texts) {
-            std::vector<client::UploadFile> files;
-            for (const auto& [uri, text] : texts)
-              files.push_back({uri, {}, text});
-            client::ModelFiles model = client::plannedMotion(name, plan, std::move(files));
-            model.object = object;
-            return send(server, std::move(model), false);
-          },
-          "name"_a, "object"_a, "plan"_a, "texts"_a)
-      .def("nearest", &nearest, "side"_a, "name"_a, "point"_a)
-      .def(
-          "unload",
-          [](Client& server, const std::string& kind, const std::string& name) {
-            await(server.unload(kindFrom(kind), name));
-          },
-          "kind"_a, "name"_a);
-}
 
 void defineSessions(ClientClass& type) {
   type.def("list_sessions",

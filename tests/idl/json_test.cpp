@@ -266,6 +266,21 @@ TEST(MessageJson, RefusesWhatIsNoJsonOrNoObject) {
   }
 }
 
+TEST(MessageJson, NumbersThatFitNoFieldAreToldItsOwnRange) {
+  try {
+    idl::fromJsonText<v1::SolveOptions>(R"({"starts": -1})");
+    FAIL();
+  } catch (const InvalidInput& e) {
+    EXPECT_THAT(e.what(), HasSubstr("starts: -1 is outside 0 to 10000"));
+  }
+  try {
+    idl::fromJsonText<v1::SolveOptions>(R"({"seed": -1})");
+    FAIL();
+  } catch (const InvalidInput& e) {
+    EXPECT_THAT(e.what(), HasSubstr("seed: -1 is outside 0 to 4294967295"));
+  }
+}
+
 // === Checks of messages from the wire
 
 TEST(MessageCheck, NamesTheFieldItsValueAndTheRange) {

@@ -19,10 +19,11 @@ the work on the server has been stopped.
 from __future__ import annotations
 
 import os
-from typing import Sequence
+from collections.abc import Sequence
 
 from . import _handgraft
-from .errors import Cancelled, Error, InvalidInput, NoServer, Refused, SolveFailed, TransportError
+from .arguments import count_of, path_of, text_of
+from .errors import Cancelled, Error, InvalidInput, NoServer, Refused, SolveFailed, TransportError, WrongType
 from .motions import Demonstrator, Motion, PatchOverTime
 from .poses import Depth, Patch, Pose
 from .reports import Difference, Suggestion
@@ -34,7 +35,7 @@ from .view import View
 __all__ = [
     "connect", "Server", "Session", "Pose", "Patch", "Depth", "Motion", "PatchOverTime", "Demonstrator", "Sweep",
     "Suggestion", "Difference", "View",
-    "Error", "InvalidInput", "Refused", "NoServer", "SolveFailed", "Cancelled", "TransportError",
+    "Error", "InvalidInput", "WrongType", "Refused", "NoServer", "SolveFailed", "Cancelled", "TransportError",
 ]
 
 
@@ -66,8 +67,13 @@ def connect(domain: int | None = None, interface: str | None = None, start: bool
         server = _environment("server")
     if identity is None:
         identity = _environment("identity")
+    if isinstance(peers, str) or not isinstance(peers, Sequence):
+        raise WrongType(f"peers {peers!r}: they are a list of hosts")
+    domain = count_of("domain", domain, 0, 100)
+    peers = [text_of("peers", peer) for peer in peers]
     try:
-        client = _handgraft.Client(domain, interface, start, list(peers), server, os.fspath(identity))
+        client = _handgraft.Client(domain, text_of("interface", interface), bool(start), peers,
+                                   text_of("server", server), path_of("identity", identity))
     except InvalidInput as error:
         name = str(error).partition(":")[0]  # "interface: 'eth7' is not ..."
         if name in from_environment and _environment(name):

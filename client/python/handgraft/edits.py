@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Mapping, Sequence
 import numpy as np
 
 from . import _handgraft
-from .errors import InvalidInput
+from .arguments import count_of, number_of
+from .errors import InvalidInput, WrongType
 from .poses import Pose, matrix_of, message_of
 from .reports import Difference, Suggestion
 
@@ -121,11 +122,11 @@ class Edits:
         ``reach``: how far the root may move, m (1e-4 to 0.1; 0: 0.01); ``count``: at most so many (1 to 100; 0: 5).
         ``apply`` takes one, counted from 1, by edits of root and direction; 0 takes none.
         """
+        reach = number_of("reach", reach)
         if not (reach == 0.0 or 1e-4 <= reach <= 0.1):
             raise InvalidInput(f"reach {reach!r}: it must be 1e-4 to 0.1 (m), or 0")
-        if count != int(count) or not 0 <= count <= 100:
-            raise InvalidInput(f"count {count!r}: it must be 0 to 100")
-        request = {"session_id": self._session.id, "patch": patch, "reach_m": reach, "count": count}
+        request = {"session_id": self._session.id, "patch": patch, "reach_m": reach,
+                   "count": count_of("count", count, 0, 100)}
         reply = self._server._client.ask({"kind": "suggest", "suggest": request})["suggest"]
         suggestions = [Suggestion(one) for one in reply["suggestions"]]
         if apply:
@@ -233,7 +234,10 @@ class Edits:
 
 
 def _numbers(name: str, values: Any, count: int) -> np.ndarray:
-    numbers = np.asarray(values, dtype=float)
+    try:
+        numbers = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise WrongType(f"{name} {values!r}: it must be {count} numbers") from None
     if numbers.shape != (count,) or not np.isfinite(numbers).all():
         raise InvalidInput(f"{name} {values!r}: it must be {count} finite numbers")
     return numbers

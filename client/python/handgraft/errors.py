@@ -9,6 +9,10 @@ class InvalidInput(Error, ValueError):
     """A file, a name or a number is wrong; the message names it and the permitted range."""
 
 
+class WrongType(InvalidInput, TypeError):
+    """An argument is of a type that it may not have."""
+
+
 class Refused(Error):
     """The server refused. ``code`` is the kind: not_found, conflict, units, ..."""
 

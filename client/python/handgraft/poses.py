@@ -38,10 +38,13 @@ def in_order(values: Mapping[str, float], names: Sequence[str], what: str) -> li
 
 def message_of(X: np.ndarray) -> dict[str, Any]:
     """The message of a 4x4 matrix, whose rotation must be one within 1e-6."""
-    X = np.asarray(X, dtype=float)
+    try:
+        X = np.asarray(X, dtype=float)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"a pose is a 4x4 array of numbers, not {X!r}") from None
     R = X[:3, :3] if X.shape == (4, 4) else np.empty(0)
     if X.shape != (4, 4) or not np.allclose(R @ R.T, np.eye(3), atol=1e-6) or np.linalg.det(R) < 0:
-        raise ValueError("a pose is a 4x4 array whose upper left 3x3 block is a rotation")
+        raise InvalidInput("a pose is a 4x4 array whose upper left 3x3 block is a rotation")
     # The largest of the four squared components is the one to divide by (Shepperd 1978).
     squares = np.array([np.trace(R), R[0, 0], R[1, 1], R[2, 2]])
     largest = int(np.argmax(squares))

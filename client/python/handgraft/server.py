@@ -14,7 +14,8 @@ from typing import Any, Iterator, Mapping, Sequence
 import numpy as np
 
 from . import _handgraft, motion_plans
-from .errors import Error, InvalidInput, Refused
+from .arguments import count_of, is_of_map, map_options, path_of, text_of
+from .errors import Error, InvalidInput, Refused, WrongType
 from .poses import Pose, message_of
 from .session import Session
 from .studies import Sweep, property_of
@@ -37,7 +38,7 @@ def _is_path(model: Any, option: str) -> bool:
     if isinstance(model, os.PathLike):
         return True
     if not isinstance(model, str):
-        raise TypeError(f"{option}: {model!r} is neither a model's name nor a file's path")
+        raise WrongType(f"{option}: {model!r} is neither a model's name nor a file's path")
     return _handgraft.is_path(model)
 
 
@@ -72,14 +73,20 @@ class Server:
 
     def models(self, kind: str | None = None) -> list[str]:
         """Names of the models of a kind (hand, object, contacts, motion), or of all."""
-        if kind is not None and kind not in _KINDS:
-            raise InvalidInput(f"kind {kind!r}: permitted are {', '.join(_KINDS)}")
+        if kind is not None:
+            self._kind(kind)
         return [model["name"] for model in self._client.list_models()["models"]
                 if kind is None or model["kind"] == kind]
 
+    @staticmethod
+    def _kind(kind: str) -> str:
+        if kind not in _KINDS:
+            raise InvalidInput(f"kind {kind!r}: permitted are {', '.join(_KINDS)}")
+        return kind
+
     def describe(self, kind: str, name: str, meshes: bool = False) -> dict[str, Any]:
         """A model as the contract describes it: joints, links, sites; vertices; patches."""
-        return self._client.describe(kind, name, meshes)[kind]
+        return self._client.describe(self._kind(kind), text_of("name", name), bool(meshes))[kind]
 
     def load_hand(self, urdf: str | os.PathLike[str], name: str = "", *, units: str = "",
                   packages: Mapping[str, str | os.PathLike[str]] | None = None,
@@ -89,24 +96,38 @@ class Server:
         ``packages`` says where ``package://`` names lie. Without a ``name`` the file's is taken, and told
         apart by its content where another model has it.
         """
-        folders = {package: os.fspath(folder) for package, folder in (packages or {}).items()}
+        if packages is not None and not isinstance(packages, Mapping):
+            raise WrongType(f"packages {packages!r}: it must map names of packages to folders")
+        folders = {text_of("packages", package): path_of(f"packages[{package!r}]", folder)
+                   for package, folder in (packages or {}).items()}
         options = {"mirrored": mirrored, "rest_pose": rest_pose}
         with _units_as_arguments():
-            return self._client.load_hand(os.fspath(urdf), name, units, folders, options)["name"]
+            return self._client.load_hand(path_of("urdf", urdf), text_of("name", name), text_of("units", units), folders,
+                                          options)["name"]
 
     def load_object(self, mesh: str | os.PathLike[str], name: str = "", *, units: str = "") -> str:
         """Sends a mesh; returns the model's name. ``units``: m, cm, mm or in; metres by default."""
         with _units_as_arguments():
-            return self._client.load_object(os.fspath(mesh), name, units)["name"]
+            return self._client.load_object(path_of("mesh", mesh), text_of("name", name), text_of("units", units))["name"]
 
     def load_contacts(self, path: str | os.PathLike[str], object: str, name: str = "", *, units: str = "",
                       **options: Any) -> str:
-        """Sends a contact set (JSON) or a contact map (PLY) on an object; returns its name.
+        """Sends a contact set (JSON) or a contact map (PLY, OBJ, glTF and the like) on an object; returns its name.
 
-        ``options`` say how patches are found in a map: ContactOptions of idl/models.idl.
+        ``options`` say how patches are found in a map, as ``handgraft contacts import --help`` has them: ``value``,
+        ``label``: properties of the map; ``colors``: which scale of colours shows values, grey, hot, inferno, jet or
+        viridis; ``picture``: the path of a PNG with those colours, for a map with texture coordinates; ``joints``:
+        that of the 21 joints of the hand that touched, ``joints_hand``: which one of the file's; ``threshold``,
+        ``otsu``, ``low_share``, ``outline``, ``smooth``; ``min_area``: m^2; ``points``: on each outline.
         """
+        files, reading = map_options(options)
+        if pathlib.PurePath(path_of("path", path)).suffix.lower() == ".png":
+            raise InvalidInput(f"contacts {os.fspath(path)!r}: a picture is no contact map by itself; give the mesh that it "
+                               "lies on, and this as picture='...', colors='...'")
         with _units_as_arguments():
-            return self._client.load_contacts(os.fspath(path), object, name, units, options)["name"]
+            return self._client.load_contacts(path_of("path", path), text_of("object", object), text_of("name", name),
+                                              text_of("units", units), files["picture"], files["joints"],
+                                              reading)["name"]
 
     def load_motion(self, path: str | os.PathLike[str], object: str | os.PathLike[str] = "", name: str = "", *,
                     object_path: str | os.PathLike[str] | None = None, hand: str | os.PathLike[str] = "") -> str:
@@ -118,7 +139,7 @@ class Server:
         """
         object = self.load_object(object) if object and _is_path(object, "object") else object
         if object_path is None and not hand:
-            return self._client.load_motion(os.fspath(path), object, name)["name"]
+            return self._client.load_motion(path_of("path", path), object, text_of("name", name))["name"]
         if object_path is not None and hand:
             raise TypeError("object_path is of a recording, hand of what a hand did: one of them alone")
         name = name or pathlib.Path(path).stem
@@ -212,7 +233,7 @@ class Server:
 
     def unload(self, kind: str, name: str) -> None:
         """Takes a model (hand, object, contacts, motion) away; sessions that have it keep it."""
-        self._client.unload(kind, name)
+        self._client.unload(self._kind(kind), text_of("name", name))
 
     # === Hands that are not built yet
 
@@ -266,16 +287,18 @@ class Server:
 
     def open(self, hand: str | os.PathLike[str], object: str | os.PathLike[str] = "",
              contacts: str | os.PathLike[str] = "", *, motion: str | os.PathLike[str] = "",
-             X_WO: np.ndarray | None = None, weights: Sequence[float] | None = None, units: str = "") -> Session:
+             X_WO: np.ndarray | None = None, weights: Sequence[float] | None = None, units: str = "",
+             **reading: Any) -> Session:
         """A live session. Each model is a name on the server, or the path of a file to send.
 
         Of ``contacts`` on an object, or of a ``motion``, whose own object is taken if none is named. ``weights``:
         of distance (1/m^2), normals and prior. ``X_WO``: the object's pose, 4x4. ``units`` are those of the
-        object's and the contacts' files: m, cm, mm or in; metres by default.
+        object's and the contacts' files: m, cm, mm or in; metres by default. ``reading``: how a contact map that is
+        sent is read, as `load_contacts` has it (``picture``, ``colors``, ``threshold``, ...).
         """
         if bool(contacts) == bool(motion):
             raise InvalidInput("a session is of contacts or of a motion: one of them has to be given, not both")
-        request: dict[str, Any] = self._send(hand, object, contacts, units)
+        request: dict[str, Any] = self._send(hand, object, contacts, units, **reading)
         if motion:
             motion = self.load_motion(motion, request["object"]) if _is_path(motion, "motion") else motion
             request["motion"] = motion
@@ -283,6 +306,8 @@ class Server:
         if X_WO is not None:
             request["X_WO"] = message_of(X_WO)
         if weights is not None:
+            if not isinstance(weights, (Sequence, np.ndarray)) or isinstance(weights, str):
+                raise WrongType(f"weights {weights!r}: they are three numbers, of distance, normals and prior")
             if len(weights) != 3:
                 raise InvalidInput(f"weights: {len(weights)} numbers; they are of distance, normals and prior")
             request["weights"] = dict(zip(("distance", "normal", "prior"), weights))
@@ -290,11 +315,11 @@ class Server:
 
     def join(self, session_id: int) -> Session:
         """A session that somebody else opened."""
-        return Session(self._client.join_session(session_id), self)
+        return Session(self._client.join_session(count_of("session_id", session_id, 0, 2**64 - 1)), self)
 
     def load_session(self, text: str) -> Session:
         """A session of what `Session.save` gave."""
-        return Session(self._client.load_session(text), self)
+        return Session(self._client.load_session(text_of("text", text)), self)
 
     def sessions(self) -> list[int]:
         """Numbers of the sessions that are open."""
@@ -302,18 +327,23 @@ class Server:
 
     def grasp(self, hand: str | os.PathLike[str], object: str | os.PathLike[str],
               contacts: str | os.PathLike[str], *, X_WO: np.ndarray | None = None,
-              weights: Sequence[float] | None = None, units: str = "", **solving: Any) -> Pose:
+              weights: Sequence[float] | None = None, units: str = "", **options: Any) -> Pose:
         """Lays the contacts onto the hand and solves its pose; arguments as for `open` and `Session.solve`."""
-        with self.open(hand, object, contacts, X_WO=X_WO, weights=weights, units=units) as session:
+        reading = {name: value for name, value in options.items() if is_of_map(name)}
+        solving = {name: value for name, value in options.items() if name not in reading}
+        with self.open(hand, object, contacts, X_WO=X_WO, weights=weights, units=units, **reading) as session:
             return session.solve(**solving)
 
-    def _send(self, hand: Any, object: Any, contacts: Any, units: str) -> dict[str, str]:
+    def _send(self, hand: Any, object: Any, contacts: Any, units: str, **reading: Any) -> dict[str, str]:
         """Their names on the server; of what is empty, empty."""
         is_file = {option: model != "" and _is_path(model, option)
                    for option, model in (("hand", hand), ("object", object), ("contacts", contacts))}
+        if reading and not is_file["contacts"]:
+            name, value = next(iter(reading.items()))
+            raise InvalidInput(f"{name} {value!r}: contacts {contacts!r} have been read already; it is for files")
         if units and not (is_file["object"] or is_file["contacts"]):
             raise InvalidInput(f"units {units!r}: neither object nor contacts is a file")
         hand = self.load_hand(hand) if is_file["hand"] else hand
         object = self.load_object(object, units=units) if is_file["object"] else object
-        contacts = self.load_contacts(contacts, object, units=units) if is_file["contacts"] else contacts
+        contacts = self.load_contacts(contacts, object, units=units, **reading) if is_file["contacts"] else contacts
         return {"hand": hand, "object": object, "contacts": contacts}

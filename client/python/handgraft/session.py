@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Iterator, Sequence
 import numpy as np
 
 from . import _handgraft
+from .arguments import number_of
 from .edits import Edits
 from .errors import Cancelled, Error, InvalidInput, NoServer, Refused, SolveFailed
 from .motions import Demonstrator, Motion
@@ -191,7 +192,7 @@ class Session(Edits):
         It holds for whoever edits by this object meanwhile: threads take one each (`Server.join`).
         """
         before = self._when
-        self._when = {"time_s": time_s, "falloff_s": falloff_s}
+        self._when = {"time_s": number_of("time_s", time_s), "falloff_s": number_of("falloff_s", falloff_s)}
         try:
             yield self
         finally:
