@@ -279,6 +279,15 @@ std::string labelOf(const json& patch, std::size_t index) {
 
 ContactSet contactSetFrom(const json& root, const MeshFile& object_file) {
   const IndexedObject object{object_file};
+  if (root.is_array()) {
+    rejectInput(
+        "the file holds a list of {} entries; a contact set is an object with 'format': '{}' "
+        "and "
+        "'patches', each with a root and a boundary; points without areas are none: a PLY of "
+        "the "
+        "object with contact at each vertex, 0 to 1, is a contact map",
+        root.size(), kContactsFormat);
+  }
   if (!root.is_object()) rejectInput("the file holds no JSON object");
   const std::string format = stringFrom(fieldOf(root, "format"), "format");
   if (format != kContactsFormat && format != kContactsFormatWithPlaces) {
@@ -385,7 +394,9 @@ json setIn(const std::filesystem::path& path) {
   if (std::find(kMeshes.begin(), kMeshes.end(), endingOf(path)) != kMeshes.end()) {
     rejectInput(
         "a mesh alone tells no contacts: its picture does (--picture FILE --colors SCALE), a "
-        "PLY with a value at each vertex, or a set of patches as JSON");
+        "PLY with a value at each vertex, an OBJ with colours at its vertices (--colors "
+        "SCALE), "
+        "or a set of patches as JSON");
   }
   return json::parse(textOf(path));
 }

@@ -1,14 +1,17 @@
 #include "core/io/contact_map_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/io/color_map.h"
 #include "core/io/file_bytes.h"
+#include "core/io/file_mesh.h"
 #include "core/io/ply_file.h"
 #include "core/io/texture_map.h"
 
@@ -59,8 +62,16 @@ std::vector<int> labelsOf(const Eigen::VectorXd& column, const std::string& prop
 
 const Eigen::VectorXd& columnOf(const PlyFile& ply, const std::string& property) {
   const auto column = ply.vertex.find(property);
-  if (column == ply.vertex.end())
-    rejectInput("no vertex property {}, which this contact map needs", quoted(property));
+  if (column == ply.vertex.end()) {
+    if (ply.face_properties.empty())
+      rejectInput("no vertex property {}, which this contact map needs", quoted(property));
+    rejectInput(
+        "no vertex property {}, which this contact map needs; its faces have {}, and what "
+        "faces "
+        "say is not read: give it to their vertices, contact from 0 to 1 and link for the "
+        "finger",
+        quoted(property), fmt::join(ply.face_properties, ", "));
+  }
   return column->second;
 }
 
@@ -77,6 +88,33 @@ Eigen::Matrix3Xd colorsOf(const PlyFile& ply) {
   return rgb;
 }
 
+/// What to write instead, where so few colours are there that they may stand for fingers.
+std::string hintOfFingers(const Eigen::Matrix3Xd& rgb) {
+  constexpr std::size_t kFewest = 3;  // nothing, and two fingers
+  constexpr std::size_t kMost = 12;
+  std::set<std::array<long, 3>> colors;
+  for (const auto& color : rgb.colwise()) {
+    const Eigen::Vector3d bytes = 255.0 * color;
+    colors.insert({std::lround(bytes[0]), std::lround(bytes[1]), std::lround(bytes[2])});
+    if (colors.size() > kMost) return "";
+  }
+  if (colors.size() < kFewest) return "";
+  return fmt::format(
+      "; {} colours are all there are: one for each finger is not read; write contact (0 or 1) "
+      "and link at each vertex, the number of the finger (-1: none), and a header comment "
+      "'0=thumb 1=index ...'",
+      colors.size());
+}
+
+Eigen::VectorXd valuesByColor(const PlyFile& ply, const std::string& scale) {
+  const Eigen::Matrix3Xd rgb = colorsOf(ply);
+  try {
+    return valuesOfColors(colorMap(scale), rgb).value;
+  } catch (const InvalidInput& error) {
+    rejectInput("{}{}", error.what(), hintOfFingers(rgb));
+  }
+}
+
 bool hasColors(const PlyFile& ply) {
   return ply.vertex_count > 0 && ply.vertex.count("red") != 0 &&
          ply.vertex.count("green") != 0 && ply.vertex.count("blue") != 0;
@@ -87,8 +125,9 @@ Eigen::VectorXd valuesByProperty(const PlyFile& ply, const std::string& property
   if (ply.vertex.count(property) == 0 && hasColors(ply)) {
     rejectInput(
         "no vertex property {}, which this contact map needs; its vertices have colours: {}; "
-        "name the scale that they show values by, one of {}",
-        quoted(property), describeColors(colorsOf(ply)), fmt::join(colorMapNames(), ", "));
+        "name the scale that they show values by, one of {}{}",
+        quoted(property), describeColors(colorsOf(ply)), fmt::join(colorMapNames(), ", "),
+        hintOfFingers(colorsOf(ply)));
   }
   return columnOf(ply, property);
 }
@@ -100,9 +139,8 @@ ContactMap contactMapFrom(const PlyFile& ply, const ContactMapSource& source) {
   vertices.row(2) = columnOf(ply, "z").transpose();
 
   ContactMap map;
-  map.value = source.color_scale.empty()
-                  ? valuesByProperty(ply, source.value_property)
-                  : valuesOfColors(colorMap(source.color_scale), colorsOf(ply)).value;
+  map.value = source.color_scale.empty() ? valuesByProperty(ply, source.value_property)
+                                         : valuesByColor(ply, source.color_scale);
   map.mesh_O = geometry::TriangleMesh(std::move(vertices), ply.faces);
   const bool must_have_labels = source.label_property != ContactMapSource().label_property;
   if (must_have_labels || ply.vertex.count(source.label_property) != 0) {
@@ -118,11 +156,54 @@ ContactMap contactMapFrom(const PlyFile& ply, const ContactMapSource& source) {
   return map;
 }
 
+/// By the first vertex of an OBJ: three numbers behind its place.
+bool hasColoredVertices(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string line;
+  while (std::getline(file, line)) {
+    std::istringstream words(line);
+    std::string keyword;
+    if (!(words >> keyword) || keyword != "v") continue;
+    double number = 0.0;
+    int count = 0;
+    while (words >> number)
+      ++count;
+    return count == 6;
+  }
+  return false;
+}
+
+/// An OBJ with colours at its vertices as a PLY that has the same.
+PlyFile coloredObj(const std::filesystem::path& path) {
+  const FileMesh mesh = readObj(path);
+  PlyFile ply;
+  ply.vertex_count = static_cast<int>(mesh.vertices.size());
+  ply.file_face = mesh.file_face;
+  ply.faces.resize(3, static_cast<Eigen::Index>(mesh.triangles.size()));
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f)
+    ply.faces.col(static_cast<Eigen::Index>(f)) =
+        Eigen::Map<const Eigen::Vector3i>(mesh.triangles[f].data());
+  const auto column = [&](const std::vector<Eigen::Vector3d>& rows, int axis) {
+    Eigen::VectorXd values(static_cast<Eigen::Index>(rows.size()));
+    for (std::size_t v = 0; v < rows.size(); ++v)
+      values[static_cast<Eigen::Index>(v)] = rows[v][axis];
+    return values;
+  };
+  constexpr std::array<std::array<const char*, 2>, 3> kNames{
+      {{"x", "red"}, {"y", "green"}, {"z", "blue"}}};
+  for (int axis = 0; axis < 3; ++axis) {
+    ply.vertex[kNames[axis][0]] = column(mesh.vertices, axis);
+    if (!mesh.rgb.empty()) ply.vertex[kNames[axis][1]] = column(mesh.rgb, axis);
+  }
+  return ply;
+}
+
 }  // namespace
 
 bool isContactMap(const std::filesystem::path& path, const ContactMapSource& source) {
   if (!source.picture.empty()) return true;
   if (endingOf(path) == ".ply") return true;
+  if (endingOf(path) == ".obj") return hasColoredVertices(path);
   std::ifstream file(path, std::ios::binary);
   char start[3] = {};
   return file.read(start, 3) && std::string(start, 3) == "ply";
@@ -136,7 +217,7 @@ ContactMap readContactMap(const std::filesystem::path& path, const ContactMapSou
     }
     return readTextureMap(path, source.picture, colorMap(source.color_scale));
   }
-  const PlyFile ply = readPly(path);
+  const PlyFile ply = endingOf(path) == ".obj" ? coloredObj(path) : readPly(path);
   try {
     return contactMapFrom(ply, source);
   } catch (const InvalidInput& error) {

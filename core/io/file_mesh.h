@@ -19,6 +19,9 @@ struct FileMesh {
   /// Texture coordinates per vertex, u to the right and v upwards from the picture's lower left
   /// corner; NaN where a part of the scene has none, empty if none has (formats but scenes').
   std::vector<Eigen::Vector2d> uv;
+  /// Colours per vertex, red green blue as the file has them, where an OBJ's `v` lines tell
+  /// them; NaN of vertices without one, empty if none has one.
+  std::vector<Eigen::Vector3d> rgb;
   std::vector<int> file_face;      ///< the file's face that each triangle comes from
   std::vector<std::string> notes;  ///< what looks odd, for the user
 };

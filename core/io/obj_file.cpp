@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <string_view>
 
 #include "core/base/error.h"
@@ -59,6 +60,9 @@ class LineReader {
   int line_ = 1;
 };
 
+const Eigen::Vector3d kNoColor =
+    Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+
 class ObjReader {
  public:
   ObjReader(std::string_view bytes, std::string file) : lines_(bytes), file_(std::move(file)) {}
@@ -73,6 +77,7 @@ class ObjReader {
       }
     } while (lines_.nextLine());
     judgeEnd();
+    if (!mesh_.rgb.empty()) mesh_.rgb.resize(mesh_.vertices.size(), kNoColor);
     return std::move(mesh_);
   }
 
@@ -111,6 +116,20 @@ class ObjReader {
       rejectInput("{}: has more than {} vertices", file_, kMostVertices);
     }
     mesh_.vertices.push_back(p);
+    readColor();
+  }
+
+  /// `v x y z r g b`, as MeshLab and others write vertices' colours. One number more is a
+  /// weight.
+  void readColor() {
+    Eigen::Vector3d rgb;
+    for (double& channel : rgb) {
+      bool is_number = false;
+      channel = numberFrom(lines_.nextWord(), is_number);
+      if (!is_number) return;
+    }
+    mesh_.rgb.resize(mesh_.vertices.size(), kNoColor);
+    mesh_.rgb.back() = rgb;
   }
 
   /// Faces may name any vertex listed so far: 1 is the first of the file, -1 the newest.

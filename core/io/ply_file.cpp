@@ -377,6 +377,8 @@ PlyFile readPly(const std::filesystem::path& path) {
       readVertices(body, element, ply);
     } else if (element.name == "face" && faces.empty()) {
       faces = readFaces(body, element);
+      for (const Property& property : element.properties)
+        if (!property.count_type) ply.face_properties.push_back(property.name);
     } else {
       skip(body, element);
     }

@@ -17,6 +17,8 @@ struct PlyFile {
   /// ...
   std::map<std::string, Eigen::VectorXd> vertex;
   Eigen::Matrix3Xi faces;
+  /// Names of the faces' scalar properties, whose values are not kept.
+  std::vector<std::string> face_properties;
   /// The file's face that each triangle comes from.
   std::vector<int> file_face;
 };

@@ -101,7 +101,9 @@ void addImport(CLI::App& app, CommandOptions& chosen) {
   const auto parsed = std::make_shared<ParsedContacts>();
   CLI::App* command =
       app.add_subcommand("import", "Find the patches of a contact map, e.g. a scan");
-  command->add_option("map", parsed->map, "PLY; glTF and the like with --picture; JSON")
+  command
+      ->add_option("map", parsed->map,
+                   "PLY; OBJ with colours; glTF and the like with --picture; JSON")
       ->required();
   parsed->addTo(*command);
   addUnits(*command, parsed->units, "the map and the object");

@@ -215,6 +215,16 @@ TEST(ContactSetFile, ThatIsNoJsonIsRefused) {
   EXPECT_THROW(readContactSet(test::scratchDirectory(), object), InvalidInput);
 }
 
+TEST(ContactSetFile, ThatIsAListOfPointsIsToldWhatToWrite) {
+  EXPECT_THAT(
+      [] {
+        readContactSet(write("points.json", "[[0, 0, 0], [0.1, 0, 0]]"), backwardsPlate());
+      },
+      ThrowsMessage<InvalidInput>(AllOf(HasSubstr("points.json: the file holds a list of 2"),
+                                        HasSubstr("handgraft-contacts/1"),
+                                        HasSubstr("contact at each vertex"))));
+}
+
 /// A plate as PLY with full contact within 12 mm of its middle, all of segment `link`.
 std::string plyPlate(const std::string& comment, int link) {
   const TriangleMesh mesh = test::makePlate(40, 40, 0.001);

@@ -90,6 +90,43 @@ TEST(ContactMapFile, InvertsColoursOfVertices) {
   }
 }
 
+TEST(ContactMapFile, ReadsColoursAtAnObjsVertices) {
+  const auto path = test::scratchDirectory() / "square.obj";
+  std::ofstream(path) << "v 0 0 0 0 0 0\nv 1 0 0 0.25 0.25 0.25\nv 1 1 0 1 1 1\nv 0 1 0 0 0 0\n"
+                         "f 1 2 3\nf 1 3 4\n";
+  const ContactMapSource source{.color_scale = "grey"};
+  ASSERT_TRUE(isContactMap(path, source));
+  const contact::ContactMap map = readContactMap(path, source);
+  EXPECT_EQ(map.mesh_O.faceCount(), 2);
+  EXPECT_NEAR(map.value[1], 0.25, 1e-3);
+  EXPECT_NEAR(map.value[2], 1.0, 1e-3);
+  expectFault(path, {}, "its vertices have colours: ");
+}
+
+TEST(ContactMapFile, AnObjWithoutColoursIsNone) {
+  const auto path = test::scratchDirectory() / "bare.obj";
+  std::ofstream(path) << "v 0 0 0 1\nv 1 0 0 1\nv 1 1 0 1\nf 1 2 3\n";
+  EXPECT_FALSE(isContactMap(path, {}));
+}
+
+TEST(ContactMapFile, ColoursThatNameFingersAreToldWhatToWrite) {
+  const auto path =
+      writeSquare("property uchar red\nproperty uchar green\nproperty uchar blue\n",
+                  {"128 128 128", "255 0 0", "0 255 0", "0 0 255"});
+  const char* hint = "; 4 colours are all there are: one for each finger is not read; write";
+  expectFault(path, {}, hint);
+  expectFault(path, {.color_scale = "inferno"}, hint);
+}
+
+TEST(ContactMapFile, WhatFacesSayIsToldToBelongToVertices) {
+  const auto path = test::scratchDirectory() / "faces.ply";
+  std::ofstream(path) << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty "
+                         "float y\nproperty float z\nelement face 1\nproperty list uchar int "
+                         "vertex_indices\nproperty int label\nend_header\n"
+                         "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 4\n";
+  expectFault(path, {}, "its faces have label, and what faces say is not read");
+}
+
 TEST(ContactMapFile, NamesTheColoursWhereItFindsNoValues) {
   const auto path =
       writeSquare("property uchar red\nproperty uchar green\nproperty uchar blue\n",
