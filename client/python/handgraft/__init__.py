@@ -3,7 +3,7 @@
     import handgraft
 
     server = handgraft.connect()
-    pose = server.grasp("barrett8", "lemon", "lemon_3")
+    pose = server.grasp("human20", "lemon", "lemon_6")
     print(pose.verdict, pose.joints)
 
     with server.open("barrett8", "lemon", "lemon_3") as session:

@@ -122,8 +122,7 @@ class Edits:
         ``reach``: how far the root may move, m (1e-4 to 0.1; 0: 0.01); ``count``: at most so many (1 to 100; 0: 5).
         ``apply`` takes one, counted from 1, by edits of root and direction; 0 takes none.
         """
-        reach = number_of("reach", reach)
-        if not (reach == 0.0 or 1e-4 <= reach <= 0.1):
+        if not (number_of("reach", reach) == 0.0 or 1e-4 <= reach <= 0.1):
             raise InvalidInput(f"reach {reach!r}: it must be 1e-4 to 0.1 (m), or 0")
         request = {"session_id": self._session.id, "patch": patch, "reach_m": reach,
                    "count": count_of("count", count, 0, 100)}
