@@ -453,8 +453,10 @@ std::string stateLine(const v1::SessionState& state) {
 std::string explanation(const v1::PoseSolution& solution) {
   std::string line = onOneLine(solution.verdict());  // all of it, however long
   if (!solution.penetration().empty() && solution.penetration()[0].max_depth_m() > 0.0) {
-    line += fmt::format("{}{:.1f} mm deep", line.empty() ? "" : ", ",
-                        1e3 * solution.penetration()[0].max_depth_m());
+    // Behind what is reached, before what else is to be said: of that depth is no part.
+    line.insert(std::min(line.find("; "), line.size()),
+                fmt::format("{}{:.1f} mm deep", line.empty() ? "" : ", ",
+                            1e3 * solution.penetration()[0].max_depth_m()));
   }
   return line;
 }

@@ -11,9 +11,9 @@ namespace handgraft::contact {
 ///
 /// Boundaries are left empty, since they are edges of the first mesh; directions stay. A patch
 /// whose root or more than half of whose points have no place within `reach_m` is dropped, with
-/// a note; so are single points. Frames: both meshes in O, metres. Errors:
-/// InvalidInput if more than half of the patches are dropped: another object or frame. Cost:
-/// O((F + points) log F).
+/// a note; so are single points. Roots that lie more than 2 mm off in the median are noted.
+/// Frames: both meshes in O, metres. Errors: InvalidInput if more than half of the patches are
+/// dropped: another object or frame. Cost: O((F + points) log F).
 ContactSet reproject(const ContactSet& set,
                      const geometry::TriangleMesh& from_O,
                      const geometry::TriangleMesh& to_O,

@@ -181,6 +181,16 @@ TEST(WatchText, TellsPosesFromTheirDiagnosis) {
                              testing::EndsWith("; 1 of 2 patches reached, 4.2 mm deep")));
 }
 
+TEST(WatchText, DepthStandsBehindWhatIsReached) {
+  v1::PoseSolution solution = exampleGrasp().solution;
+  solution.is_final(true);
+  solution.verdict("1 of 2 patches reached; 'solve' searches anew");
+  solution.penetration().resize(1);
+  solution.penetration()[0].max_depth_m(0.0006);
+  EXPECT_THAT(client::text::solutionLine(solution),
+              testing::EndsWith("1 of 2 patches reached, 0.6 mm deep; 'solve' searches anew"));
+}
+
 TEST(WatchJson, PutsEachEventOnOneLine) {
   const std::string solution = client::json::solutionEvent(exampleGrasp().solution, {"bend"});
   EXPECT_EQ(solution.find('\n'), std::string::npos);

@@ -56,6 +56,18 @@ TEST(Carry, ChoosesTheSideOfAThinWallThatFacesTheSameWay) {
   }
 }
 
+TEST(Carry, NotesASurfaceThatLiesSomeMillimetresOff) {
+  const TriangleMesh plate = test::makePlate(4, 4, 0.01);
+  const auto notesAt = [&](double height) {
+    const TriangleMesh off =
+        geometry::transformed(plate, Eigen::Affine3d(Eigen::Translation3d(0, 0, height)));
+    return reproject(squareSet(plate), plate, off).notes;
+  };
+  EXPECT_THAT(notesAt(0.0019), ::testing::IsEmpty());
+  EXPECT_THAT(notesAt(0.004),
+              ElementsAre(HasSubstr("contacts lie 4.0 mm off the object's surface")));
+}
+
 TEST(Carry, RefusesAnotherObject) {
   const TriangleMesh plate = test::makePlate(4, 4, 0.01);
   const TriangleMesh elsewhere =
