@@ -186,6 +186,13 @@ void matchPatches(const Models& models, Document& document, const Progress& prog
         "contact set {}: none of its patches ({}) has a site on the hand; its sites are {}",
         quoted(document.contacts), fmt::join(names, ", "), namesOf(models.hand->sites));
   }
+  const auto laid = std::ranges::count_if(document.patches, is_placed);
+  if (models.hand->sites.empty() && laid < std::ssize(document.patches)) {
+    document.notes.push_back(
+        fmt::format("the hand was given without contact sites: {} of {} patches are laid; "
+                    "hand::findContactSites and io::readSites make them",
+                    laid, document.patches.size()));
+  }
 }
 
 SessionModels modelsFor(const Document& document,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -258,6 +259,22 @@ TEST(DealingFingers, KeepsTheirOrderAndTheThumbAndTellsIt) {
   };
   EXPECT_TRUE(is_told("it has no ring, little"));
   EXPECT_FALSE(is_told("thumb's contacts go"));
+}
+
+TEST(PlaceMatching, WhatAHandWithoutSitesHasNoPlaceForIsNoted) {
+  LabelledLemon lemon;
+  int number = 0;
+  for (contact::Patch& patch : lemon.contacts.patches) {
+    if (patch.name == "palm") continue;
+    patch.name = fmt::format("c{}", ++number);
+    patch.place.reset();
+  }
+  hand::Hand hand = handOfLibrary("human20");
+  hand.sites.clear();
+  const Session session(hand, lemon.mesh, lemon.contacts, Pose::Identity(), {});
+  EXPECT_THAT(
+      session.document().notes,
+      testing::Contains(testing::HasSubstr("without contact sites: 1 of 6 patches are laid")));
 }
 
 }  // namespace
