@@ -162,6 +162,7 @@ struct Prompt::Impl {
     for (const std::string& line : news)
       fmt::print(out, "\r\x1b[K{}\n", line);
     std::fflush(out);
+    prompt = help.prompt();  // it may tell of what the news changed
     el_set(editor, EL_REFRESH);
   }
 
@@ -232,8 +233,8 @@ Prompt::Prompt(Help help, Interruption& interruption, const fs::path& history, s
 
 Prompt::~Prompt() = default;
 
-Prompt::Input Prompt::readLine(const std::string& prompt) {
-  impl_->prompt = prompt;
+Prompt::Input Prompt::readLine() {
+  impl_->prompt = impl_->help.prompt();
   impl_->interrupted = false;
   el_resize(impl_->editor);  // the terminal may have another size by now
   int count = 0;

@@ -29,6 +29,8 @@ class Prompt {
     std::function<std::string(const Words&)> explain;
     /// What happened meanwhile, a line each; asked every 50 ms.
     std::function<std::vector<std::string>()> news;
+    /// What stands before the line; asked anew after news.
+    std::function<std::string()> prompt;
   };
 
   enum class End {
@@ -51,7 +53,7 @@ class Prompt {
   Prompt(const Prompt&) = delete;
   Prompt& operator=(const Prompt&) = delete;
 
-  Input readLine(const std::string& prompt);
+  Input readLine();
 
  private:
   struct Impl;

@@ -107,16 +107,18 @@ void converse(Editor& editor, const Sink& sink, Interruption& interruption) {
   const auto news = [&] {
     return editor.session().news();
   };
+  const auto shown = [&] {
+    return fmt::format("{} {}> ", text::plain(editor.session().state().hand()),
+                       editor.session().shownRevision());
+  };
   // Programs read standard output.
-  editor::Prompt prompt({complete, explain, news}, interruption, editor::historyFile(),
+  editor::Prompt prompt({complete, explain, news, shown}, interruption, editor::historyFile(),
                         sink.isJson() ? stderr : stdout);
   editor.showPosesAtOnce();
   sink.note("help lists the commands, Tab completes, ? explains, Ctrl-D leaves");
   while (!editor.finished() && !interruption.terminated()) {
     interruption.reset();
-    const auto input =
-        prompt.readLine(fmt::format("{} {}> ", text::plain(editor.session().state().hand()),
-                                    editor.session().shownRevision()));
+    const auto input = prompt.readLine();
     if (input.end == editor::Prompt::End::kEnd) break;
     if (input.end == editor::Prompt::End::kInterrupted) continue;
     runTyped(editor, sink, input.line);
