@@ -134,6 +134,12 @@ session::ChoiceEdit choiceFrom(const v1::ChoiceEdit& message) {
 session::Edit editFrom(const v1::EditBody& body) {
   switch (body._d()) {
     case v1::EDIT_OBJECT_POSE:
+      if (body == v1::EditBody()) {
+        rejectInput(
+            "the edit says nothing: an EditBody needs one of its members, as X_WO, joint_limit "
+            "or "
+            "patch_root (idl/edits.idl)");
+      }
       return session::ObjectPoseEdit{poseFrom(body.X_WO(), "X_WO")};
     case v1::EDIT_PATCH_WEIGHT:
       return session::PatchWeightEdit{name(body.patch_weight().patch(), "patch"),

@@ -115,6 +115,11 @@ TEST_F(LiveEdits, GetAnDiagnosedReplyFromSolves) {
   EXPECT_TRUE(finalsOf(bus, 2).back().is_diagnosed()) << "of what stands after an undo";
 }
 
+TEST_F(LiveEdits, ThatSayNothingAreToldWhatIsMissing) {
+  EXPECT_THAT(apply(open(), v1::EditBody()).message(),
+              HasSubstr("the edit says nothing: an EditBody needs"));
+}
+
 TEST_F(LiveEdits, ThatAreRefusedLeaveTheLastPoseDiagnosedAndReady) {
   const std::uint64_t session = openSolved();
   // Refused ones among others, so that some of them cut solves and diagnoses short.

@@ -65,7 +65,11 @@ HandReading HandFlags::reading() const {
 }
 
 void HandFlags::requirePath(const std::string& hand, const char* option) const {
-  if (!isPath(hand)) requireNone(options_, alreadyRead(hand, option));
+  if (isPath(hand)) return;
+  const bool is_option = option[0] == '-';
+  requireNone(options_,
+              fmt::format("{}: give the hand's URDF, as {}HAND.urdf", alreadyRead(hand, option),
+                          is_option ? option + std::string(" ") : ""));
 }
 
 void HandFlags::requireUnused(const char* whom) const {

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .server import Server
 
 _SIDES = ("hand", "object")
+_SAY_ALL = ("undo", "redo", "release")  # kinds of edits that need no member
 _FARTHEST_ROOT_M = 0.05  # as the prompt has it: numbers in another unit or frame are farther
 
 
@@ -34,6 +35,9 @@ class Edits:
 
         Returns what the server has to say of it, mostly nothing.
         """
+        if member is None and kind not in _SAY_ALL:
+            raise InvalidInput(f"edit {kind!r}: the member that it chooses, and its value, are not given: EditBody of "
+                               "idl/edits.idl has them")
         body = {"kind": kind} if member is None else {"kind": kind, member: value}
         reply = self._session.edit(body, 0, self._when)
         self._revision = reply["revision"]

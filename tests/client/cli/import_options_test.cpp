@@ -131,7 +131,10 @@ TEST(ImportOptions, AreTakenByLoadAndGraspToo) {
 }
 
 TEST(ImportOptions, AreRefusedWhereNothingIsRead) {
-  EXPECT_THAT(objectionTo({"hand", "inspect", "human20", "--mirror"}), HasSubstr("--mirror"));
+  EXPECT_THAT(
+      objectionTo({"hand", "inspect", "human20", "--mirror"}),
+      HasSubstr("--mirror: hand human20 has been read already; it is for files: give the "
+                "hand's URDF, as HAND.urdf"));
   EXPECT_THAT(objectionTo({"skin", "human20", "--out", "s.ply", "--alpha", "3"}),
               HasSubstr("human20"));
   EXPECT_THAT(objectionTo({"grasp", "--hand", "a.urdf", "--object", "b", "--contacts", "c",

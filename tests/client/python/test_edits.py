@@ -106,6 +106,11 @@ def test_a_prior_that_is_none_is_told(session):
         session.prior("here")
 
 
+def test_an_edit_that_says_nothing_is_told(session):
+    with pytest.raises(handgraft.InvalidInput, match="edit 'joint_lock': the member that it chooses.*not given"):
+        session.edit("joint_lock")
+
+
 def test_the_prior_has_shares(session):
     before = session.settings()["prior_shares"]
     session.prior_shares(2.0, 3.0, 4.0)
