@@ -17,8 +17,12 @@ for file in bin/handgraft bin/handgraft-server bin/handgraft-reader bin/handgraf
   share/bash-completion/completions/handgraft share/zsh/vendor-completions/_handgraft \
   share/doc/handgraft/examples/handgraft-server.service share/handgraft/models/objects/lemon.obj \
   share/doc/handgraft/README.md share/doc/handgraft/client/cli/COMMANDS.md share/doc/handgraft/client/editor/COMMANDS.md \
-  share/doc/handgraft/core/io/FORMATS.md include/handgraft/client.h include/handgraft/core.h; do
+  share/doc/handgraft/core/io/FORMATS.md include/handgraft/client.h include/handgraft/core.h \
+  share/doc/handgraft/client/examples/live_grasp.cpp share/doc/handgraft/core/examples/grasp_point_pairs.cpp; do
   [ -e "$scratch/usr/$file" ] || fail "$file was not installed"
+done
+(cd "$source/idl" && find . -name '*.idl') | while read -r file; do
+  cmp -s "$source/idl/$file" "$scratch/usr/share/handgraft/idl/$file" || fail "idl/$file was not installed as it is"
 done
 version=$("$scratch/usr/bin/handgraft" --version)
 [[ $version == handgraft\ * ]] || fail "handgraft --version said '$version'"
@@ -53,7 +57,7 @@ add_executable(poses poses.cpp)
 target_link_libraries(poses PRIVATE handgraft::core)
 END
 cp "$source/tests/package/stranger.cpp" "$scratch/live.cpp"
-cp "$source/core/examples/grasp_point_pairs.cpp" "$scratch/poses.cpp"
+cp "$scratch/usr/share/doc/handgraft/core/examples/grasp_point_pairs.cpp" "$scratch/poses.cpp"
 cmake -S "$scratch" -B "$scratch/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$scratch/usr" \
   >"$scratch/configure.log" 2>&1 || { tail -20 "$scratch/configure.log"; fail "a stranger's project does not configure"; }
 grep -q "$source" "$scratch"/usr/lib/*/cmake/handgraft/*.cmake "$scratch"/usr/lib/cmake/handgraft/*.cmake 2>/dev/null &&
