@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <tuple>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/session/derived_state.h"
@@ -71,11 +72,12 @@ std::ptrdiff_t droppedPatches(const Document& document) {
 }
 
 /// What comes of each way by `solve(derived, document)`, the best of them put first; one that
-/// leaves no point comes to nothing. Ways that drop more than another one lacks are not looked
-/// at.
+/// leaves no point comes to nothing. Ways that at their best lack more, or as much and drop
+/// more, than another one are not looked at.
 template <class Solve>
 void judge(Trials& trials, std::vector<Way>& ways, bool until_all, const Solve& solve) {
-  std::ptrdiff_t least = std::numeric_limits<std::ptrdiff_t>::max();
+  constexpr std::ptrdiff_t kMost = std::numeric_limits<std::ptrdiff_t>::max();
+  std::pair<std::ptrdiff_t, std::ptrdiff_t> least{kMost, kMost};  // lacking, dropped
   for (std::size_t w = 0; w < ways.size(); ++w) {
     Way& way = ways[w];
     const std::vector<Document> documents = trials.of(*way.document);
@@ -87,7 +89,7 @@ void judge(Trials& trials, std::vector<Way>& ways, bool until_all, const Solve& 
       lacking += askedPatches(document);
       dropped += droppedPatches(document);
     }
-    if (dropped > least) continue;
+    if (std::pair(dropped, dropped) > least) continue;
     lacking = dropped;
     objective = 0.0;
     int solved = 0;
@@ -106,7 +108,7 @@ void judge(Trials& trials, std::vector<Way>& ways, bool until_all, const Solve& 
     }
     if (solved == 0) objective = std::numeric_limits<double>::infinity();
     way.reaches_all = solved > 0 && lacking == dropped;
-    least = std::min(least, lacking);
+    least = std::min(least, std::pair(lacking, dropped));
     if (until_all && way.reaches_all && dropped == 0) {
       ways.resize(w + 1);
       break;
@@ -138,6 +140,22 @@ std::size_t bestWay(const Models& models,
   if (ways.front().reaches_all) return ways.front().index;
   solving = laid.front().solving;
   judge(trials, ways, until_all, [&](DerivedState& derived, const Document& document) {
+    derived.follow(document, progress);
+    return derived.solve(solving, {}, progress);
+  });
+  return ways.front().index;
+}
+
+std::size_t bestSolvedWay(const Models& models,
+                          const std::vector<Document>& laid,
+                          const Progress& progress) {
+  HANDGRAFT_REQUIRE(!laid.empty());
+  std::vector<Way> ways;
+  for (const Document& document : laid)
+    ways.push_back({ways.size(), &document, {}, false});
+  Trials trials(models, laid.front());
+  const SolverSettings& solving = laid.front().solving;
+  judge(trials, ways, false, [&](DerivedState& derived, const Document& document) {
     derived.follow(document, progress);
     return derived.solve(solving, {}, progress);
   });

@@ -22,4 +22,10 @@ std::size_t bestWay(const Models& models,
                     bool until_all,
                     const Progress& progress);
 
+/// The same by full searches alone: where ways differ by what they drop, the short one leaves
+/// out what would be reached. A way that cannot lack less than one before it is not looked at.
+std::size_t bestSolvedWay(const Models& models,
+                          const std::vector<Document>& laid,
+                          const Progress& progress);
+
 }  // namespace handgraft::session

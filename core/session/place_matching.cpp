@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,9 +11,8 @@
 
 #include "core/geometry/tangent.h"
 #include "core/hand/hand_parts.h"
+#include "core/session/best_way.h"
 #include "core/session/dealing.h"
-#include "core/session/derived_state.h"
-#include "core/session/patch_matching.h"
 #include "core/session/patch_names.h"
 
 namespace handgraft::session {
@@ -92,15 +90,8 @@ void leavePalmOut(const Models& models, Document& document, const Progress& prog
     }
   }
   if (without == document || others < 2) return;
-  DerivedState derived(std::make_shared<ModelCache>(
-      modelsFor(document, *models.hand, models.object_O, models.contacts)));
-  const auto lacking = [&](const Document& laid) {
-    derived.follow(laid, progress);
-    return worthOf(derived.solve(laid.solving, {}, progress)).first;
-  };
   // The palm itself is lacking then, so that no fewer are reached in all.
-  const std::ptrdiff_t with_it = lacking(document);
-  if (with_it > 1 && lacking(without) < with_it) document = std::move(without);
+  if (bestSolvedWay(models, {document, without}, progress) == 1) document = std::move(without);
 }
 
 }  // namespace
