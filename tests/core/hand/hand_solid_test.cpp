@@ -285,6 +285,18 @@ TEST(HandSolid, SamplesCornersAndEdgesFirst) {
     EXPECT_GT(sample.area_m2, 0.0) << "a sample without weight";
 }
 
+TEST(HandSolid, SamplesEdgesMoreDenselyThanFaces) {
+  // Where edges of two links cross a millimetre deep, two of each lie in the other.
+  const HandSolid solid = solidOf(geometry::makeBox({0.08, 0.03, 0.03}));
+  const SampleSet& fine = solid.links().at(0).fine;
+  for (int i = 0; i <= 160; ++i)
+    EXPECT_LT(nearestSample(fine, {-0.04 + 0.0005 * i, 0.015, -0.015}), 0.0013);
+  double area = 0.0;
+  for (const SurfaceSample& sample : fine.samples)
+    area += sample.area_m2;
+  EXPECT_LT(area, 2.0 * (4 * 0.08 * 0.03 + 2 * 0.03 * 0.03)) << "edges weigh more than faces";
+}
+
 TEST(HandSolid, KnowsTheEdgesOfALargeLinkAsThoseOfASmallOne) {
   // A forearm or a robot's palm: what its grid rounds, thin things poke into unseen.
   const HandSolid solid = solidOf(geometry::makeBox({0.1, 0.08, 0.04}));
