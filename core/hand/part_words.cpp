@@ -36,6 +36,7 @@ constexpr Meaning kDigitWords[] = {
     {"thb", "thumb"},
     {"thm", "thumb"},
     {"ff", "index"},
+    {"if", "index"},
     {"idx", "index"},
     {"ind", "index"},
     {"mf", "middle"},
@@ -61,10 +62,18 @@ constexpr Meaning kDigitWords[] = {
     {"auriculaire", "little"},
     {"pollice", "thumb"},
     {"anulare", "ring"},
-    {"mignolo", "little"}};
+    {"mignolo", "little"},
+    // Chinese, in Pinyin without tones.
+    {"muzhi", "thumb"},
+    {"damuzhi", "thumb"},
+    {"shizhi", "index"},
+    {"zhongzhi", "middle"},
+    {"wumingzhi", "ring"},
+    {"xiaozhi", "little"},
+    {"xiaomuzhi", "little"}};
 /// Two letters that may stand right before a segment's word or a joint's letter.
-constexpr Meaning kDigitPrefixes[] = {
-    {"th", "thumb"}, {"ff", "index"}, {"mf", "middle"}, {"rf", "ring"}, {"lf", "little"}};
+constexpr Meaning kDigitPrefixes[] = {{"th", "thumb"},  {"ff", "index"}, {"if", "index"},
+                                      {"mf", "middle"}, {"rf", "ring"},  {"lf", "little"}};
 constexpr Meaning kSegmentWords[] = {{"metacarpal", "metacarpal"},
                                      {"meta", "metacarpal"},
                                      {"knuckle", "proximal"},

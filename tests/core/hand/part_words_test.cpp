@@ -41,6 +41,9 @@ TEST(PartWords, KnowTheNamesOfTheField) {
       {"ring_mid", "ring", "middle"},
       {"thumb_sensor", "thumb", ""},
       {"palm_lower", "palm", ""},
+      {"if_proximal_link", "index", "proximal"},
+      {"ifmiddle", "index", "middle"},
+      {"IFJ2", "index", ""},
   };
   for (const Case& one : cases) {
     const PartWords words = partWordsOf(one.name);
@@ -77,6 +80,11 @@ TEST(PartWords, KnowFingersInOtherLanguages) {
       {"pollice_distal", "thumb", "distal"},
       {"anulare", "ring", ""},
       {"mignolo", "little", ""},
+      {"right_muzhi_1", "thumb", ""},
+      {"ShizhiDistal", "index", "distal"},
+      {"zhongzhi_2", "middle", ""},
+      {"wumingzhi_joint", "ring", ""},
+      {"xiaomuzhi", "little", ""},
   };
   for (const Case& one : cases) {
     const PartWords words = partWordsOf(one.name);
@@ -109,6 +117,7 @@ TEST(PartWords, FindNoFingerInsideOtherWords) {
                            "dip",
                            "base_link",
                            "thrust",
+                           "iffy_link",
                            "offering",
                            "\xff\xfe"})
     EXPECT_EQ(partWordsOf(name).digit, "") << name;
