@@ -22,11 +22,8 @@ constexpr double kLivePause = 0.25;  // s
 constexpr double kFastestJoint = 2.5;  // m/s
 constexpr double kJointNoise = 0.005;  // m
 constexpr int kMostJumps = 2;          // in a row; then it is where the hand is
-constexpr int kLiveStarts = 16;
-constexpr int kFirstSlides = 10;
-// To tell ways to deal fingers apart.
-constexpr int kTrialStarts = 4;
-constexpr int kTrialSlides = 3;
+// Of a link on its way: little, so that what is in the way keeps it off.
+constexpr double kWayWeight = 4.0;
 // Lost is a hand that is so far off, for so long; what is found must be nearer by this factor.
 constexpr double kLost = 0.012;       // m, on average over the touches
 constexpr double kLostFor = 0.25;     // s
@@ -49,6 +46,20 @@ std::vector<std::string> digitsOf(const std::vector<manipulation::DetectedContac
 }
 
 }  // namespace
+
+/// How long is looked, and how much the hand is held as the demonstrator's is.
+struct LiveFollower::Search {
+  int starts = 0;
+  int slides = 0;
+  double held = 1.0;
+
+  /// Where touches leave the hand free: to be a radian off costs as much as 1 mm in four
+  /// touches.
+  static Search full() { return {16, 10, 1000.0}; }
+
+  /// To tell ways to deal fingers apart: by what they reach.
+  static Search trial() { return {4, 3, 1.0}; }
+};
 
 /// What a search tries: all is as it was again, unless that is kept.
 class LiveFollower::Attempt {
@@ -167,7 +178,7 @@ void LiveFollower::dealAnew(const std::vector<contact::PartDirection>& posture,
     meetAnew();
     last_O_ = here_O;
     if (problemNow().pairs.empty()) continue;
-    search(posture, kTrialStarts, kTrialSlides, progress);
+    search(posture, Search::trial(), progress);
     const Standing now = standing();
     const std::ptrdiff_t renamed = std::count_if(way.begin(), way.end(), [](const auto& dealt) {
       return dealt.first != dealt.second;
@@ -295,14 +306,13 @@ bool LiveFollower::begin(const std::vector<contact::PartDirection>& posture,
   Attempt attempt(*this);
   dealAnew(posture, progress);
   if (problemNow().pairs.empty()) return false;
-  search(posture, kLiveStarts, kFirstSlides, progress);
+  search(posture, Search::full(), progress);
   attempt.keep();
   return true;
 }
 
 void LiveFollower::search(const std::vector<contact::PartDirection>& posture,
-                          int starts,
-                          int slides,
+                          const Search& how,
                           const Progress& progress) {
   optimize::PoseProblem problem = problemNow();
   contact::ContactSet shown;
@@ -311,17 +321,18 @@ void LiveFollower::search(const std::vector<contact::PartDirection>& posture,
   const auto hold = [&](optimize::PoseProblem& one) {
     one.prior.q = held.q.cwiseMax(one.lower).cwiseMin(one.upper);
     one.prior_weights = Eigen::VectorXd::Ones(one.dofCount());
-    one.prior_weights.tail(held.q.size()) *= held.sureness;
-    if (!held.R_OH) return;
+    if (!held.R_OH) return;  // what is relaxed holds nobody
+    const double weight = how.held * held.sureness;
+    one.prior_weights.tail(held.q.size()) *= weight;
     one.prior.X_WH.linear() = *held.R_OH;
-    one.prior_weights.head<3>() *= held.sureness;
+    one.prior_weights.head<3>() *= weight;
   };
   hold(problem);
   optimize::SolveOptions solving;
-  solving.starts = starts;
+  solving.starts = how.starts;
   last_O_ = optimize::solve(problem, solving, progress).pose;
   solving.starts = 1;
-  for (int i = 0; i < slides; ++i) {
+  for (int i = 0; i < how.slides; ++i) {
     slide(1.0);
     problem = problemNow();
     hold(problem);
@@ -367,7 +378,7 @@ void LiveFollower::lookAnew(double time_s,
     } else {
       dealAnew(posture, progress);
     }
-    search(posture, kLiveStarts, kFirstSlides, progress);
+    search(posture, Search::full(), progress);
     const Standing after = standing();
     const bool serves_more = fingers_.dealing() != dealing && after.missed < before.missed;
     const bool is_nearer =
@@ -393,7 +404,7 @@ optimize::PoseProblem LiveFollower::problemTo(const hand::HandPose& goal_O) cons
     pair.link = static_cast<int>(link);
     pair.p_W = X_OL[link].translation();
     pair.has_normals = false;
-    pair.weight = contact::kDefaultInterpolationCount;
+    pair.weight = kWayWeight;
     single.pairs.push_back(pair);
   }
   return single;

@@ -120,6 +120,7 @@ class LiveFollower {
   };
 
   class Attempt;
+  struct Search;
 
   void requireLater(double time_s) const;
   [[nodiscard]] bool jumps(const manipulation::DemonstratedFrame& frame) const;
@@ -134,8 +135,7 @@ class LiveFollower {
   void takeFingers();
   bool begin(const std::vector<contact::PartDirection>& posture, const Progress& progress);
   void search(const std::vector<contact::PartDirection>& posture,
-              int starts,
-              int slides,
+              const Search& how,
               const Progress& progress);
   void lookAnew(double time_s,
                 double step_s,

@@ -288,25 +288,33 @@ void follow(const HumanSequence& sequence,
 void runHumanMotions(const fs::path& data,
                      const fs::path& library,
                      const fs::path& cache,
-                     bool with_baselines) {
+                     HumanWays ways) {
   const hand::Hand human = readHuman(data / "contacts/grab_sequences", cache);
   const Fingertips tips = fingertipsOf(human);
   std::vector<hand::Hand> hands;
   for (const char* urdf : {"hands/allegro_right/allegro_hand_right.urdf",
                            "hands/shadow_right/shadow_hand_right.urdf"})
     hands.push_back(readHand(data / urdf, cache));
+  if (ways == HumanWays::kLive)
+    for (const char* urdf : {"hands/barrett_bhand/bhand_model.urdf",
+                             "hands/human_hand_graspit20/human_hand_graspit20.urdf",
+                             "hands/mia_hand_right/mia_hand_description/urdf/mia_hand.urdf"})
+      hands.push_back(readHand(data / urdf, cache));
   if (!library.empty())
     hands.push_back(readHand(library / "hands/human20/human20.urdf", cache));
   std::vector<HumanSequence> sequences;
   for (const RecordedHuman& one : kRecorded)
     sequences.push_back(readSequence(data, human, one.name, one.object));
-  std::printf(
-      "| sequence | hand | way | mean mm | normals deg | deepest mm | frames past 2 mm | jerk "
-      "| "
-      "largest step rad | ms a frame |\n|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const HumanSequence& sequence : sequences)
-    for (const hand::Hand& hand : hands)
-      follow(sequence, human, tips, hand, with_baselines);
+  if (ways != HumanWays::kLive) {
+    std::printf(
+        "| sequence | hand | way | mean mm | normals deg | deepest mm | frames past 2 mm | "
+        "jerk "
+        "| "
+        "largest step rad | ms a frame |\n|---|---|---|---|---|---|---|---|---|---|\n");
+    for (const HumanSequence& sequence : sequences)
+      for (const hand::Hand& hand : hands)
+        follow(sequence, human, tips, hand, ways == HumanWays::kAll);
+  }
   printLiveHeading();
   for (const HumanSequence& sequence : sequences)
     for (const hand::Hand& hand : hands)

@@ -5,6 +5,12 @@
 
 namespace handgraft::bench {
 
+enum class HumanWays {
+  kAll,       ///< contacts, fingertip kinematics, DexPilot; contacts live
+  kContacts,  ///< of these all at once, and live
+  kLive,      ///< frame by frame as they come alone, by more hands
+};
+
 /// The contact areas of the recorded human hand over time, followed by several hands, beside
 /// fingertip kinematics and DexPilot from frame to frame: a row a sequence, a hand and a way.
 ///
@@ -15,6 +21,6 @@ namespace handgraft::bench {
 void runHumanMotions(const std::filesystem::path& data,
                      const std::filesystem::path& library,
                      const std::filesystem::path& cache,
-                     bool with_baselines);
+                     HumanWays ways);
 
 }  // namespace handgraft::bench

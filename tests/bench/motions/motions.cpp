@@ -52,6 +52,7 @@ struct MotionsArguments {
   bool offline_only = false;
   bool no_baselines = false;
   bool human = false;
+  bool live = false;
 };
 
 /// A recorded sequence laid onto the hand that it was made for.
@@ -323,7 +324,9 @@ void runMotions(const MotionsArguments& arguments) {
   if (arguments.human) {
     if (arguments.data.empty()) rejectInput("--human: needs the folder of recordings");
     runHumanMotions(arguments.data, arguments.library, arguments.cache,
-                    !arguments.no_baselines);
+                    arguments.live           ? HumanWays::kLive
+                    : arguments.no_baselines ? HumanWays::kContacts
+                                             : HumanWays::kAll);
     return;
   }
   if (!arguments.library.empty()) {
@@ -388,6 +391,8 @@ void addMotionsCommand(CLI::App& app) {
                     "and no more");
   command->add_flag("--no-baselines", arguments->no_baselines,
                     "With --human: contacts alone, without fingertips and DexPilot");
+  command->add_flag("--live", arguments->live,
+                    "With --human: frame by frame as they come alone");
   command->add_flag("--offline", arguments->offline_only, "All frames at once alone");
   command->add_option(
       "--single", arguments->single,

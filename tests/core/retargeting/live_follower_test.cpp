@@ -317,5 +317,33 @@ TEST_F(LiveFollowing, AHandThatIsShownToItselfIsThere) {
   }
 }
 
+std::vector<manipulation::DetectedContact> threeOf(
+    const std::vector<manipulation::DetectedContact>& touches, std::size_t first) {
+  const auto begin = touches.begin() + static_cast<std::ptrdiff_t>(first);
+  return {begin, begin + 3};
+}
+
+// Three touches leave a hand free to turn about the ball, and the fingers that come next would
+// find it the other way round.
+TEST_F(LiveFollowing, IsTurnedAsTheDemonstratorsHandWhereFewTouch) {
+  const hand::Hand hand = test::handOfLibrary("human20");
+  session::Session opened(hand, grasp.ball, grasp.contacts, Pose::Identity(), {});
+  const hand::HandPose shown = opened.solve({}, {}, Progress()).report.pose;
+  demonstration::PosedHandTracker tracker(hand, grasp.ball, Progress());
+  const std::vector<manipulation::DetectedContact> all = tracker.see(shown, Pose::Identity());
+  ASSERT_GE(all.size(), 5u);
+  for (std::size_t first = 0; first + 3 <= all.size(); ++first) {
+    LiveFollower follower(opened.document(), hand, grasp.ball, Progress());
+    const auto answer = follower.follow(0.0, Pose::Identity(), threeOf(all, first),
+                                        tracker.postureOf(shown, Pose::Identity()), Progress());
+    ASSERT_TRUE(answer) << first;
+    const Pose moved = answer->pose.X_WH * inverse(shown.X_WH);
+    EXPECT_LT(vectorFromRotation(moved.linear()).norm(), 0.06) << first;
+    EXPECT_LT((answer->pose.X_WH.translation() - shown.X_WH.translation()).norm(), 0.007)
+        << first;
+    EXPECT_LT(meanDistance(*answer), 2.0) << first;
+  }
+}
+
 }  // namespace
 }  // namespace handgraft::retargeting
