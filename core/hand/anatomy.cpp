@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/base/angle.h"
+#include "core/hand/facing.h"
 #include "core/hand/part_words.h"
 
 namespace handgraft::hand {
@@ -29,9 +30,6 @@ constexpr double kSideBySide = 0.7;
 constexpr double kStubShare = 0.25;
 /// Cosine; palms that are found look no farther away from where the fingers close.
 constexpr double kPalmFacing = 0.5;
-
-/// Cosine (32 degrees); a palm's site that looks farther away is on a chamfer or a motor.
-constexpr double kPalmLeans = 0.85;
 
 constexpr std::array<const char*, 5> kOrder{"thumb", "index", "middle", "ring", "little"};
 
@@ -241,7 +239,7 @@ std::optional<Palm> palmOf(const Anatomy& anatomy, const std::optional<ToldPalm>
 
 void noteAPalmThatLeans(const ToldPalm& told, Anatomy& anatomy) {
   const double cosine = told.facing_S.dot(anatomy.palm->facing_S);
-  if (cosine > kPalmLeans) return;
+  if (cosine > kFacingWell) return;
   anatomy.notes.push_back(fmt::format(
       "the palm's site looks {:.0f} degrees away from where the fingers close: a sites file "
       "beside the URDF may put it elsewhere",

@@ -7,16 +7,16 @@
 
 #include "core/hand/contact_site.h"
 #include "core/hand/digits.h"
+#include "core/hand/facing.h"
 #include "core/hand/kinematics.h"
 
 namespace handgraft::hand {
 
 namespace {
 
-/// A pad's normal leans at most this far from the closing direction (cosine of 60 degrees).
+/// A pad's normal leans at most this far from the closing direction (cosine of 60 degrees),
+/// and faces well (kFacingWell) where such a place is found.
 constexpr double kFacingCosine = 0.5;
-/// And rather less than this (32 degrees), if such a place is found: not a chamfer.
-constexpr double kFacingWell = 0.85;
 
 // === Places: rays against the skin
 
