@@ -282,10 +282,8 @@ ContactSet contactSetFrom(const json& root, const MeshFile& object_file) {
   if (root.is_array()) {
     rejectInput(
         "the file holds a list of {} entries; a contact set is an object with 'format': '{}' "
-        "and "
-        "'patches', each with a root and a boundary; points without areas are none: a PLY of "
-        "the "
-        "object with contact at each vertex, 0 to 1, is a contact map",
+        "and 'patches', each with a root and a boundary; points without areas are none: "
+        "a PLY of the object with contact at each vertex, 0 to 1, is a contact map",
         root.size(), kContactsFormat);
   }
   if (!root.is_object()) rejectInput("the file holds no JSON object");
@@ -393,10 +391,9 @@ json setIn(const std::filesystem::path& path) {
   constexpr std::array<const char*, 5> kMeshes{".glb", ".gltf", ".obj", ".stl", ".dae"};
   if (std::find(kMeshes.begin(), kMeshes.end(), endingOf(path)) != kMeshes.end()) {
     rejectInput(
-        "a mesh alone tells no contacts: its picture does (--picture FILE --colors SCALE), a "
-        "PLY with a value at each vertex, an OBJ with colours at its vertices (--colors "
-        "SCALE), "
-        "or a set of patches as JSON");
+        "a mesh alone tells no contacts: its picture does (--picture FILE --colors SCALE), "
+        "a PLY with a value at each vertex, "
+        "an OBJ with colours at its vertices (--colors SCALE), or a set of patches as JSON");
   }
   return json::parse(textOf(path));
 }

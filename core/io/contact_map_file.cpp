@@ -66,10 +66,9 @@ const Eigen::VectorXd& columnOf(const PlyFile& ply, const std::string& property)
     if (ply.face_properties.empty())
       rejectInput("no vertex property {}, which this contact map needs", quoted(property));
     rejectInput(
-        "no vertex property {}, which this contact map needs; its faces have {}, and what "
-        "faces "
-        "say is not read: give it to their vertices, contact from 0 to 1 and link for the "
-        "finger",
+        "no vertex property {}, which this contact map needs; "
+        "its faces have {}, and what faces say is not read: "
+        "give it to their vertices, contact from 0 to 1 and link for the finger",
         quoted(property), fmt::join(ply.face_properties, ", "));
   }
   return column->second;
@@ -100,9 +99,9 @@ std::string hintOfFingers(const Eigen::Matrix3Xd& rgb) {
   }
   if (colors.size() < kFewest) return "";
   return fmt::format(
-      "; {} colours are all there are: one for each finger is not read; write contact (0 or 1) "
-      "and link at each vertex, the number of the finger (-1: none), and a header comment "
-      "'0=thumb 1=index ...'",
+      "; {} colours are all there are: one for each finger is not read; "
+      "write contact (0 or 1) and link at each vertex, the number of the finger (-1: none), "
+      "and a header comment '0=thumb 1=index ...'",
       colors.size());
 }
 
@@ -124,8 +123,8 @@ bool hasColors(const PlyFile& ply) {
 Eigen::VectorXd valuesByProperty(const PlyFile& ply, const std::string& property) {
   if (ply.vertex.count(property) == 0 && hasColors(ply)) {
     rejectInput(
-        "no vertex property {}, which this contact map needs; its vertices have colours: {}; "
-        "name the scale that they show values by, one of {}{}",
+        "no vertex property {}, which this contact map needs; "
+        "its vertices have colours: {}; name the scale that they show values by, one of {}{}",
         quoted(property), describeColors(colorsOf(ply)), fmt::join(colorMapNames(), ", "),
         hintOfFingers(colorsOf(ply)));
   }
