@@ -74,16 +74,31 @@ const Eigen::VectorXd& columnOf(const PlyFile& ply, const std::string& property)
   return column->second;
 }
 
+void requireColors(const Eigen::Matrix3Xd& rgb) {
+  const auto lacks_color = rgb.array().isNaN().colwise().any().eval();
+  for (Eigen::Index v = 0; v < rgb.cols(); ++v) {
+    if (lacks_color[v]) {
+      rejectInput(
+          "vertex {} (the first is 0) has no colour, {} of {} vertices have one; "
+          "permitted are red, green and blue at every vertex, all of 0 to 255 or all of 0 to 1",
+          v, rgb.cols() - lacks_color.count(), rgb.cols());
+    }
+    if (rgb.col(v).minCoeff() < 0.0 || rgb.col(v).maxCoeff() > 255.0) {
+      rejectInput("vertex {} (the first is 0) has the colour {}; permitted are 0 to 255", v,
+                  fmt::join(rgb.col(v), " "));
+    }
+  }
+}
+
 /// In [0, 1].
 Eigen::Matrix3Xd colorsOf(const PlyFile& ply) {
   Eigen::Matrix3Xd rgb(3, ply.vertex_count);
   rgb.row(0) = columnOf(ply, "red").transpose();
   rgb.row(1) = columnOf(ply, "green").transpose();
   rgb.row(2) = columnOf(ply, "blue").transpose();
-  const double most = rgb.size() > 0 ? rgb.maxCoeff() : 0.0;
-  if (!rgb.allFinite() || !(most <= 255.0) || (rgb.size() > 0 && rgb.minCoeff() < 0.0))
-    rejectInput("a vertex has a colour outside 0 to 255");
-  if (most > 1.0) rgb /= 255.0;  // else fractions; bytes of a map that is black all over, too
+  requireColors(rgb);
+  // Else fractions; bytes of a map that is black all over, too.
+  if (rgb.size() > 0 && rgb.maxCoeff() > 1.0) rgb /= 255.0;
   return rgb;
 }
 
@@ -155,7 +170,7 @@ ContactMap contactMapFrom(const PlyFile& ply, const ContactMapSource& source) {
   return map;
 }
 
-/// By the first vertex of an OBJ: three numbers behind its place.
+/// Whether a vertex of an OBJ has three numbers behind its place.
 bool hasColoredVertices(const std::filesystem::path& path) {
   std::ifstream file(path);
   std::string line;
@@ -167,7 +182,7 @@ bool hasColoredVertices(const std::filesystem::path& path) {
     int count = 0;
     while (words >> number)
       ++count;
-    return count == 6;
+    if (count == 6) return true;
   }
   return false;
 }

@@ -109,6 +109,29 @@ TEST(ContactMapFile, AnObjWithoutColoursIsNone) {
   EXPECT_FALSE(isContactMap(path, {}));
 }
 
+TEST(ContactMapFile, AnObjOfWhichSomeVerticesHaveColoursIsToldWhichHasNone) {
+  const auto path = test::scratchDirectory() / "partly.obj";
+  const char* fault =
+      " (the first is 0) has no colour, 2 of 3 vertices have one; permitted are red, green";
+  const ContactMapSource source{.color_scale = "grey"};
+  for (int without = 0; without < 3; ++without) {
+    std::ofstream file(path);
+    for (int v = 0; v < 3; ++v)
+      file << "v " << v << " " << v * v << (v == without ? " 0\n" : " 0 0.5 0.5 0.5\n");
+    file << "f 1 2 3\n";
+    file.close();
+    EXPECT_TRUE(isContactMap(path));
+    expectFault(path, source, fmt::format("vertex {}{}", without, fault).c_str());
+  }
+}
+
+TEST(ContactMapFile, AColourOutOfRangeIsToldWithItsVertex) {
+  const auto path = test::scratchDirectory() / "bright.obj";
+  std::ofstream(path) << "v 0 0 0 0 0 0\nv 1 0 0 0 300 0\nv 1 1 0 0 0 0\nf 1 2 3\n";
+  expectFault(path, {.color_scale = "grey"},
+              "vertex 1 (the first is 0) has the colour 0 300 0; permitted are 0 to 255");
+}
+
 TEST(ContactMapFile, ColoursThatNameFingersAreToldWhatToWrite) {
   const auto path =
       writeSquare("property uchar red\nproperty uchar green\nproperty uchar blue\n",
