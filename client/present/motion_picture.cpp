@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -26,7 +27,10 @@ using render::Color;
 
 constexpr int kColumns = 2;
 constexpr render::PictureSize kTile{1000, 620};
-constexpr int kPlotHeight = 1500;
+constexpr double kPanelHeight = 185.0;  // pixels of a panel of height 1
+constexpr double kRoomForNames = 1.2;   // of what they take: they lie nearer to their lines
+constexpr int kAboutPanels = 420;       // pixels: headings, gaps and labels of the plot
+constexpr double kMostShade = 0.9;      // of a finger's first and last joint
 constexpr double kMotionHandOpacity = 0.72;
 constexpr double kMotionObjectOpacity = 0.66;  // patches behind it shine through
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
@@ -109,18 +113,36 @@ std::string tileText(const v1::MotionFrame& frame) {
                      there, mean / points, normal / points, 1e3 * frame.max_depth_m());
 }
 
-/// In the colour of the finger that a joint's name begins with or has in it; else grey.
+/// The finger that a joint's name begins with or has in it; empty if none.
+std::string fingerOf(const std::string& joint) {
+  std::string found;
+  for (const char* finger : {"thumb", "index", "middle", "ring", "little"}) {
+    // `index_middle_flex` is the index's: what comes first counts.
+    if (joint.find(finger) == std::string::npos) continue;
+    if (found.empty() || joint.rfind(finger, 0) == 0) found = finger;
+  }
+  return found;
+}
+
+/// In the colour of its finger, from dark to light along it; where no joint's name tells one,
+/// each in a colour of its own.
 std::vector<Color> jointColors(const v1::HandDescription& hand) {
+  std::map<std::string, double> joints_of;
+  for (const v1::JointInfo& joint : hand.joints())
+    joints_of[fingerOf(joint.name())] += 1.0;
+  const bool are_fingers_known = joints_of.size() > 1 || joints_of.count("") == 0;
+  std::map<std::string, double> before;
   std::vector<Color> colors;
   for (const v1::JointInfo& joint : hand.joints()) {
-    Color color{150, 156, 165};
-    for (const char* finger : {"thumb", "index", "middle", "ring", "little"}) {
-      // `index_middle_flex` is the index's: what comes first counts.
-      if (joint.name().find(finger) == std::string::npos) continue;
-      if (color == Color{150, 156, 165} || joint.name().rfind(finger, 0) == 0)
-        color = colorOf(finger, 0);
+    const std::string finger = fingerOf(joint.name());
+    if (!are_fingers_known) {
+      colors.push_back(render::plotColor(colors.size()));
+      continue;
     }
-    colors.push_back(color);
+    const Color color = finger.empty() ? kItself : colorOf(finger, 0);
+    const double shade = (before[finger]++ + 0.5) / joints_of[finger] - 0.5;
+    colors.push_back(shade < 0.0 ? render::blend(color, kDark, -kMostShade * shade)
+                                 : render::blend(color, {255, 255, 255}, kMostShade * shade));
   }
   return colors;
 }
@@ -175,17 +197,19 @@ std::vector<render::PlotPanel> panelsOf(const MotionResult& result) {
   distance.lines.push_back(std::move(mean));
 
   // === Joints within their ranges
-  render::PlotPanel joints{"joints (% of range)", {}, {{0.0, 100.0}}, 1.8};
+  render::PlotPanel joints{"joints (% of range)", {}, {{0.0, 100.0}}, 1.8, true};
   const std::vector<Color> colors = jointColors(result.hand);
   for (std::size_t i = 0; i < result.hand.joints().size(); ++i) {
     const v1::JointInfo& joint = result.hand.joints()[i];
     const double range = joint.upper() - joint.lower();
     if (!(range > 0.0) || !std::isfinite(range)) continue;
-    render::PlotLine line{time_s, {}, colors[i], 1.5, false, ""};
+    render::PlotLine line{time_s, {}, colors[i], 1.5, false, joint.name()};
     for (const v1::MotionFrame& frame : result.frames)
       line.y.push_back(100.0 * (frame.joint_positions()[i] - joint.lower()) / range);
     joints.lines.push_back(std::move(line));
   }
+  const double names = kRoomForNames * static_cast<double>(joints.lines.size());
+  joints.height = std::max(joints.height, names * render::plotNameHeight() / kPanelHeight);
   std::vector<render::PlotPanel> panels{std::move(distance), std::move(normals)};
   panels.push_back(
       {"deepest (mm)", {std::move(self_depth), std::move(depth)}, {{0.0, deepest}}, 0.8});
@@ -208,8 +232,14 @@ render::Image motionPicture(const MotionResult& result,
                             const v1::ObjectDescription& object) {
   requireConsistent(result);
   HANDGRAFT_REQUIRE(!shown.empty());
+  std::vector<render::PlotPanel> panels = panelsOf(result);
+  double height = 0.0;
+  for (const render::PlotPanel& panel : panels)
+    height += panel.height;
+  const render::PictureSize plot_size{kColumns * kTile.width,
+                                      kAboutPanels + static_cast<int>(kPanelHeight * height)};
   const int rows = (static_cast<int>(shown.size()) + kColumns - 1) / kColumns;
-  render::Image whole(kColumns * kTile.width, rows * kTile.height + kPlotHeight);
+  render::Image whole(plot_size.width, rows * kTile.height + plot_size.height);
   // All frames from the same sides, which show the fullest best.
   const auto fullest = std::max_element(shown.begin(), shown.end(),
                                         [](const v1::MotionFrame& a, const v1::MotionFrame& b) {
@@ -237,9 +267,8 @@ render::Image motionPicture(const MotionResult& result,
                   summary.frame_count(), summary.mean_mm(), summary.normal_deg(),
                   1e3 * summary.max_depth_m(), 1e3 * summary.self_depth_m(),
                   unit.scale * summary.max_step(), unit.name),
-      "time (s)", panelsOf(result)};
-  copyInto(whole, render::drawPlot(plot, {kColumns * kTile.width, kPlotHeight}), 0,
-           rows * kTile.height);
+      "time (s)", std::move(panels)};
+  copyInto(whole, render::drawPlot(plot, plot_size), 0, rows * kTile.height);
   return whole;
 }
 

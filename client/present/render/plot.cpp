@@ -83,6 +83,7 @@ std::pair<double, double> rangeOfX(const Plot& plot) {
 std::vector<PlotLine> legendOf(const Plot& plot) {
   std::vector<PlotLine> legend;
   for (const PlotPanel& panel : plot.panels) {
+    if (panel.names_at_ends) continue;
     for (const PlotLine& line : panel.lines) {
       if (line.name.empty()) continue;
       const auto same = std::find_if(legend.begin(), legend.end(), [&](const PlotLine& other) {
@@ -116,6 +117,61 @@ void drawLine(Image& image,
     }
   }
   flush();
+}
+
+/// The last point of a line that has a name.
+std::optional<PlotPoint> namedEnd(const PlotLine& line,
+                                  const PlotScale& x,
+                                  const PlotScale& y) {
+  if (line.name.empty()) return std::nullopt;
+  for (std::size_t i = line.x.size(); i-- > 0;)
+    if (std::isfinite(line.x[i]) && std::isfinite(line.y[i]))
+      return PlotPoint{x(line.x[i]), y(line.y[i])};
+  return std::nullopt;
+}
+
+/// Names in the order in which their lines end, each as near to its end as the others permit,
+/// and a thin line from the end to the name.
+void drawNamesAtEnds(Image& image,
+                     const PlotArea& area,
+                     const std::vector<PlotLine>& lines,
+                     const PlotScale& x,
+                     const PlotScale& y) {
+  struct Name {
+    const PlotLine* line = nullptr;
+    PlotPoint end;
+    double row = 0.0;  // its middle
+  };
+
+  std::vector<Name> names;
+  for (const PlotLine& line : lines)
+    if (const auto end = namedEnd(line, x, y)) names.push_back({&line, *end, end->y});
+  std::stable_sort(names.begin(), names.end(), [](const Name& a, const Name& b) {
+    return a.end.y < b.end.y;
+  });
+  // Down to below the one above, then up again to what still fits above the area's bottom.
+  const double height = plotNameHeight();
+  double least = area.top + 0.5 * height;
+  for (Name& name : names) {
+    name.row = std::max(name.row, least);
+    least = name.row + height;
+  }
+  double most = area.bottom() - 0.5 * height;
+  for (std::size_t i = names.size(); i-- > 0;) {
+    names[i].row = std::min(names[i].row, most);
+    most = names[i].row - height;
+  }
+
+  const int left = area.right() + kPad;
+  const PlotArea whole{0, 0, image.width(), image.height()};
+  for (const Name& name : names) {
+    drawPolyline(image, whole,
+                 {name.end, {area.right() + 4.0, name.end.y}, {left + 1.0 * kSwatch, name.row}},
+                 1.0, name.line->color);
+    drawText(image, left + kSwatch + 10,
+             static_cast<int>(std::lround(name.row - 0.4 * textHeight(kPlotTextScale))),
+             kPlotTextScale, kPlotInk, name.line->name);
+  }
 }
 
 void drawPanel(Image& image,
@@ -159,13 +215,16 @@ void drawPanel(Image& image,
   const PlotArea room{area.left - 6, area.top - 6, area.width + 12, area.height + 12};
   for (const PlotLine& line : panel.lines)
     drawLine(image, room, line, x, y);
+  if (panel.names_at_ends) drawNamesAtEnds(image, area, panel.lines, x, y);
 }
 
-void drawLegend(Image& image, int left, int top, const std::vector<PlotLine>& legend) {
+/// Names that would end below `bottom` are left out.
+void drawLegend(
+    Image& image, int left, int top, int bottom, const std::vector<PlotLine>& legend) {
   const int line_height = textHeight(kPlotTextScale) + 10;
   int row = top;
   for (const PlotLine& line : legend) {
-    if (row + line_height > image.height()) break;
+    if (row + line_height > bottom) break;
     const PlotArea area{left, row - 4, kSwatch + 8, line_height};
     const double middle = row + 0.4 * textHeight(kPlotTextScale);
     drawPolyline(image, area, {{left + 4.0, middle}, {left + 1.0 * kSwatch, middle}},
@@ -187,9 +246,13 @@ Image drawPlot(const Plot& plot, PictureSize size) {
   // === Where everything goes
   const std::vector<PlotLine> legend = legendOf(plot);
   int legend_width = 0;
-  for (const PlotLine& line : legend)
+  const auto make_room = [&](const PlotLine& line) {
+    if (line.name.empty()) return;
     legend_width =
         std::max(legend_width, kSwatch + 10 + textWidth(line.name, kPlotTextScale) + kPad);
+  };
+  for (const PlotPanel& panel : plot.panels)
+    std::for_each(panel.lines.begin(), panel.lines.end(), make_room);
   legend_width = std::min(legend_width, size.width / 3);
   const int text = textHeight(kPlotTextScale);
   PlotArea all;
@@ -206,15 +269,21 @@ Image drawPlot(const Plot& plot, PictureSize size) {
     shares += panel.height;
   const double free = all.height - gap * static_cast<double>(plot.panels.size() - 1);
   PlotArea area = all;
+  int legend_bottom = image.height();
   for (std::size_t i = 0; i < plot.panels.size(); ++i) {
     area.height = static_cast<int>(free * plot.panels[i].height / shares);
     drawPanel(image, area, plot.panels[i], x_range, i + 1 == plot.panels.size());
+    if (plot.panels[i].names_at_ends) legend_bottom = std::min(legend_bottom, area.top);
     if (i + 1 < plot.panels.size()) area.top += area.height + gap;
   }
   drawCentred(image, all.left + all.width / 2, area.bottom() + kTick + 6 + text + 14, kPlotInk,
               plot.x_label);
-  drawLegend(image, all.right() + kPad, all.top, legend);
+  drawLegend(image, all.right() + kPad, all.top, legend_bottom, legend);
   return image;
+}
+
+int plotNameHeight() {
+  return textHeight(kPlotTextScale) + 6;
 }
 
 Color plotColor(std::size_t index) {

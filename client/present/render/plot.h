@@ -17,7 +17,7 @@ struct PlotLine {
   Color color;
   double width = 2.0;  ///< pixels
   bool dots = false;   ///< one at every point
-  std::string name;    ///< in the legend; empty: not there
+  std::string name;    ///< in the legend or at its end; empty: nowhere
 };
 
 /// One set of axes.
@@ -26,7 +26,13 @@ struct PlotPanel {
   std::vector<PlotLine> lines;
   std::optional<std::pair<double, double>> range;  ///< of y; nothing: what the lines need
   double height = 1.0;                             ///< share, against the other panels'
+  /// Names stand beside the ends of their lines, not in the legend: for many of like colours.
+  bool names_at_ends = false;
 };
+
+/// Pixels that a name at the end of a line takes; where a panel is lower than all of its names,
+/// they begin above it.
+int plotNameHeight();
 
 /// Panels above each other over one x axis, with a legend of all of them beside.
 struct Plot {

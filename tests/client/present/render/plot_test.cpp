@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/present/render/plot_parts.h"
 #include "core/base/error.h"
 
 namespace handgraft::client::render {
@@ -87,6 +88,44 @@ TEST(Plot, NamesALineOfTwoPanelsOnce) {
   plot.panels[1].label = "";
   const int two = countOf(drawPlot(plot, {900, 600}), {38, 42, 48});
   EXPECT_EQ(one, two) << "ink of title, labels and legend";
+}
+
+/// Pixels of names beside a panel with so many lines called the same, all of which end alike.
+int inkBeside(std::size_t lines, bool at_ends) {
+  Plot plot = plotOf({0, 1}, {0, 0});
+  plot.panels[0].names_at_ends = at_ends;
+  plot.panels[0].lines[0].name = "joint";
+  plot.panels[0].lines.resize(lines, plot.panels[0].lines[0]);
+  const Image image = drawPlot(plot, {900, 900});
+  int ink = 0;
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 800; x < image.width(); ++x)
+      ink += image.at(x, y) == kPlotInk ? 1 : 0;
+  return ink;
+}
+
+TEST(Plot, NamesAtEndsDoNotOverlap) {
+  const int one = inkBeside(1, true);
+  EXPECT_GT(one, 0);
+  EXPECT_EQ(inkBeside(1, false), one) << "the same name in a legend";
+  EXPECT_EQ(inkBeside(24, true), 24 * one);
+}
+
+TEST(Plot, NamesAtEndsStandWhereLinesEnd) {
+  Plot plot = plotOf({0, 1}, {10, 0});
+  plot.panels[0].names_at_ends = true;
+  plot.panels[0].lines[0].name = "falls";
+  plot.panels[0].lines.push_back(plot.panels[0].lines[0]);
+  plot.panels[0].lines[1].y = {0, 10};
+  plot.panels[0].lines[1].name = "-";  // less ink
+  const Image image = drawPlot(plot, {900, 900});
+  int upper = 0;
+  int lower = 0;
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 800; x < image.width(); ++x)
+      if (image.at(x, y) == kPlotInk) ++(y < 450 ? upper : lower);
+  EXPECT_GT(upper, 0);
+  EXPECT_GT(lower, 2 * upper);
 }
 
 TEST(Plot, DrawsNothingButAxesWithoutValues) {
