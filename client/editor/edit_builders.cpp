@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "client/editor/match_values.h"
+#include "client/link/hand_point.h"
 #include "client/link/surface_pick.h"
 #include "client/link/wire_pose.h"
 #include "core/base/error.h"

@@ -8,6 +8,7 @@
 #include "client/editor/edit_builders.h"
 #include "client/editor/match_values.h"
 #include "client/editor/show_solution.h"
+#include "client/link/hand_point.h"
 #include "client/link/hand_side_edits.h"
 #include "client/link/session_id.h"
 #include "client/link/wire_pose.h"

@@ -1,15 +1,12 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <string>
 
 #include <Eigen/Core>
 
 #include "client/editor/grammar.h"
-#include "core/base/error.h"
 #include "idl/edits.h"
-#include "idl/models.h"
 
 /// What the makers of edits share: values by their place in the pattern, names looked up.
 namespace handgraft::client::editor {
@@ -32,21 +29,6 @@ inline double number(const Match& match, std::size_t index) {
 
 inline Eigen::Vector3d vectorAt(const Match& match, std::size_t index) {
   return {number(match, index), number(match, index + 1), number(match, index + 2)};
-}
-
-inline const v1::SiteInfo* siteNamed(const v1::HandDescription& hand, const std::string& name) {
-  const auto found =
-      std::find_if(hand.sites().begin(), hand.sites().end(), [&](const v1::SiteInfo& site) {
-        return site.name() == name;
-      });
-  return found == hand.sites().end() ? nullptr : &*found;
-}
-
-inline std::size_t linkIndex(const v1::HandDescription& hand, const std::string& name) {
-  for (std::size_t i = 0; i < hand.links().size(); ++i) {
-    if (hand.links()[i].name() == name) return i;
-  }
-  rejectInput("the hand has no link {}", quoted(name));
 }
 
 inline Eigen::Vector3d vectorOf(const std::array<double, 3>& xyz) {

@@ -4,8 +4,8 @@
 
 #include "client/editor/edit_builders.h"
 #include "client/editor/match_values.h"
+#include "client/link/hand_point.h"
 #include "client/link/pose_file.h"
-#include "client/link/surface_pick.h"
 #include "core/base/error.h"
 #include "idl/fields.h"
 
@@ -31,31 +31,10 @@ Eigen::Quaterniond rotationAt(const Match& match, std::size_t index) {
 
 // === Points of the hand
 
-struct HandPoint {
-  std::string link;
-  Eigen::Vector3d p_L;
-};
-
-// A site; the furthest vertex of a site's link away from the wrist; a link's origin.
 HandPoint pointNamed(EditContext& context, const std::string& name) {
-  const v1::HandDescription& hand = context.hand();
-  if (const v1::SiteInfo* site = siteNamed(hand, name)) {
-    return {site->link(), vectorOf(site->p_L_m())};
-  }
-  constexpr std::string_view kTip = "_tip";
-  const bool is_link =
-      std::any_of(hand.links().begin(), hand.links().end(), [&](const v1::LinkInfo& link) {
-        return link.name() == name;
-      });
-  if (!is_link && name.size() > kTip.size()) {
-    const v1::SiteInfo* site = siteNamed(hand, name.substr(0, name.size() - kTip.size()));
-    if (site != nullptr) {
-      const v1::HandDescription& shown = context.handWithMeshes();
-      const v1::Mesh& surface_L = shown.links().at(linkIndex(shown, site->link())).surface_L();
-      return {site->link(), furthestVertex(surface_L, -vectorOf(site->direction_L()))};
-    }
-  }
-  return {hand.links().at(linkIndex(hand, name)).name(), Eigen::Vector3d::Zero()};
+  return handPointNamed(context.hand(), name, [&]() -> const v1::HandDescription& {
+    return context.handWithMeshes();
+  });
 }
 
 v1::DragEdit dragEdit(const HandPoint& point, const Eigen::Vector3d& target_W) {
@@ -65,14 +44,6 @@ v1::DragEdit dragEdit(const HandPoint& point, const Eigen::Vector3d& target_W) {
   edit.p_L_m() = {point.p_L.x(), point.p_L.y(), point.p_L.z()};
   edit.target_W_m() = {target_W.x(), target_W.y(), target_W.z()};
   return edit;
-}
-
-// The palm's site; on a hand without one, its root link.
-HandPoint palmOf(EditContext& context) {
-  const v1::HandDescription& hand = context.hand();
-  if (siteNamed(hand, "palm") != nullptr) return pointNamed(context, "palm");
-  if (hand.links().empty()) rejectInput("the hand has no links");
-  return {hand.links().front().name(), Eigen::Vector3d::Zero()};
 }
 
 // === Poses
@@ -138,11 +109,11 @@ v1::EditBody releaseAll(const Match& /*match*/, EditContext& /*context*/) {
 }
 
 v1::EditBody palm(const Match& match, EditContext& context) {
-  return bodyOf(&v1::EditBody::drag, dragEdit(palmOf(context), vectorAt(match, 0)));
+  return bodyOf(&v1::EditBody::drag, dragEdit(palmPointOf(context.hand()), vectorAt(match, 0)));
 }
 
 v1::EditBody palmTurned(const Match& match, EditContext& context) {
-  v1::DragEdit edit = dragEdit(palmOf(context), vectorAt(match, 0));
+  v1::DragEdit edit = dragEdit(palmPointOf(context.hand()), vectorAt(match, 0));
   const std::array<double, 4> q = wxyzOf(rotationAt(match, 3));
   edit.target_q_wxyz().assign(q.begin(), q.end());
   return bodyOf(&v1::EditBody::drag, edit);

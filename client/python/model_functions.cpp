@@ -10,6 +10,7 @@
 
 #include <pybind11/stl.h>
 
+#include "client/link/hand_point.h"
 #include "client/link/model_files.h"
 #include "client/link/surface_pick.h"
 #include "client/python/awaiting.h"
@@ -51,6 +52,21 @@ py::dict nearest(client::Client& server,
   v1::SurfacePoint root = client::nearestPoint(mesh, p);
   return py::dict("root"_a = dictOf(root),
                   "distance_m"_a = (client::positionOf(mesh, root) - p).norm());
+}
+
+/// What a name means on a hand, its palm's where it is empty: a point that moves with a link.
+py::dict handPoint(client::Client& server, const std::string& name, const std::string& point) {
+  const v1::ModelDescription bare = await(server.describe(v1::MODEL_HAND, name, false));
+  v1::ModelDescription whole;
+  const auto with_meshes = [&]() -> const v1::HandDescription& {
+    whole = await(server.describe(v1::MODEL_HAND, name, true));
+    return whole.hand();
+  };
+  const client::HandPoint found = point.empty()
+                                      ? client::palmPointOf(bare.hand())
+                                      : client::handPointNamed(bare.hand(), point, with_meshes);
+  return py::dict("link"_a = found.link,
+                  "p_L_m"_a = std::array{found.p_L.x(), found.p_L.y(), found.p_L.z()});
 }
 
 }  // namespace
@@ -125,6 +141,7 @@ void defineModels(ClientClass& type) {
           },
           "name"_a, "object"_a, "plan"_a, "texts"_a)
       .def("nearest", &nearest, "side"_a, "name"_a, "point"_a)
+      .def("hand_point", &handPoint, "name"_a, "point"_a)
       .def(
           "unload",
           [](Client& server, const std::string& kind, const std::string& name) {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any, Mapping
 
+from . import _handgraft
 from .errors import InvalidInput, WrongType
 
 #: What the command line calls how a contact map is read, and what the contract does (ContactOptions of idl/models.idl).
@@ -31,6 +32,15 @@ def path_of(name: str, value: Any) -> str:
         return text_of(name, os.fspath(value))
     except TypeError:
         raise WrongType(f"{name} {value!r}: it must be the path of a file") from None
+
+
+def is_path(model: Any, option: str) -> bool:
+    """Of a model, which is the name of one on the server or a file's path."""
+    if isinstance(model, os.PathLike):
+        return True
+    if not isinstance(model, str):
+        raise WrongType(f"{option}: {model!r} is neither a model's name nor a file's path")
+    return _handgraft.is_path(model)
 
 
 def count_of(name: str, value: Any, least: int, most: int) -> int:

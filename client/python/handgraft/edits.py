@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
+import time
 import warnings
-from typing import TYPE_CHECKING, Any, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Mapping, Sequence, overload
 
 import numpy as np
 
 from . import _handgraft
-from .arguments import count_of, number_of
-from .errors import InvalidInput, WrongType
+from .arguments import count_of, is_path, number_of
+from .errors import InvalidInput, NoServer, WrongType
 from .poses import Pose, matrix_of, message_of
 from .reports import Difference, Suggestion
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 _SIDES = ("hand", "object")
 _SAY_ALL = ("undo", "redo", "release")  # kinds of edits that need no member
+_TIMELESS = ("undo", "redo", "snapshot", "restore", "take_back")  # what moves through the history is of no time
 _FARTHEST_ROOT_M = 0.05  # as the prompt has it: numbers in another unit or frame are farther
 
 
@@ -39,7 +41,7 @@ class Edits:
             raise InvalidInput(f"edit {kind!r}: the member that it chooses, and its value, are not given: EditBody of "
                                "idl/edits.idl has them")
         body = {"kind": kind} if member is None else {"kind": kind, member: value}
-        reply = self._session.edit(body, 0, self._when)
+        reply = self._session.edit(body, 0, None if kind in _TIMELESS else self._when)
         self._revision = reply["revision"]
         return reply["message"]
 
@@ -75,17 +77,54 @@ class Edits:
         """What distances (1/m^2), normals and the prior count."""
         self.edit("weights", "weights", {"distance": distance, "normal": normal, "prior": prior})
 
-    def drag(self, link: str, p_L: Sequence[float], target_W: Sequence[float], weight: float = 1.0) -> None:
-        """Moves a point of a link (m, in the link's frame) to a place in the world, and holds it there until `release`.
+    @overload
+    def drag(self, link: str, p_L: Sequence[float], target_W: Sequence[float], weight: float = 1.0) -> None: ...
+
+    @overload
+    def drag(self, link: str, *, to: Sequence[float], weight: float = 1.0) -> None: ...
+
+    def drag(self, link: str, p_L: Sequence[float] | None = None, target_W: Sequence[float] | None = None,
+             weight: float = 1.0, *, to: Sequence[float] | None = None) -> None:
+        """Moves a point of the hand to a place in the world, and holds it there until `release`.
+
+        A point of a link (m, in the link's frame), or by its name alone: ``drag("index", to=(x, y, z))`` a site's,
+        ``index_tip`` the end of that site's link, the name of a link its origin.
 
         ``weight`` 1 holds it 20 times as firmly as all patches together; 0: the next solve may take it back. Warns
         where it falls short of its target.
         """
-        self._warning("drag", "drag", {"link": link, "p_L_m": p_L, "target_W_m": target_W, "weight": weight})
+        given = [p_L is not None, target_W is not None, to is not None]
+        if given not in ([True, True, False], [False, False, True]):
+            raise InvalidInput(f"drag {link!r}: p_L and target_W have to be given, or to alone")
+        if to is None:
+            point = {"link": link, "p_L_m": p_L}
+        else:
+            point = self._point(link)
+            target_W = _numbers("to", to, 3)
+        self._warning("drag", "drag", {**point, "target_W_m": target_W, "weight": weight})
+
+    def palm(self, to: Sequence[float], R_WL: np.ndarray | None = None) -> None:
+        """Moves the palm to a place in the world, m, and holds it there until `release`; warns where it falls short.
+
+        ``R_WL``: how its link is turned then, a 3x3 rotation to the world; None: as it comes.
+        """
+        point = self._point("")
+        edit = {**point, "target_W_m": _numbers("to", to, 3), "weight": 1.0}
+        if R_WL is not None:
+            X_WL = np.eye(4)
+            X_WL[:3, :3] = _rotation("R_WL", R_WL)
+            edit["target_q_wxyz"] = message_of(X_WL)["q_wxyz"]
+        self._warning("drag", "drag", edit)
 
     def release(self, link: str = "") -> None:
-        """Lets go what was dragged of a link, or all of it."""
+        """Lets go what was dragged of a link, or of the link of a point that `drag` knows by name, or all of it."""
+        if link:
+            link = self._point(link)["link"]
         self.edit("release", "release", {"link": link})
+
+    def _point(self, name: str) -> dict[str, Any]:
+        """The link and the place on it that a name means; the palm's if it is empty."""
+        return self._server._client.hand_point(self._heard()["hand"], name)
 
     # === Where a patch lies
 
@@ -142,7 +181,7 @@ class Edits:
         return suggestions
 
     def _place_on_skin(self, site: str) -> np.ndarray:
-        hand = self._server.describe("hand", self._session.state()["hand"], meshes=True)
+        hand = self._server.describe("hand", self._heard()["hand"], meshes=True)
         sites = {one["name"]: one for one in hand["sites"]}
         if site not in sites:
             raise InvalidInput(f"pick {site!r}: the hand has no such site; there are {', '.join(sites)}")
@@ -151,7 +190,7 @@ class Edits:
 
     def _nearest(self, side: str, point: np.ndarray) -> tuple[dict[str, Any], float]:
         """The surface's place nearest to a point, and how far it is, m."""
-        found = self._server._client.nearest(side, self._session.state()[side], point.tolist())
+        found = self._server._client.nearest(side, self._heard()[side], point.tolist())
         return found["root"], found["distance_m"]
 
     # === Prior and start
@@ -178,7 +217,7 @@ class Edits:
         if isinstance(pose, Pose):
             return {"X_WH": pose.message["X_WH"], "joints": pose.joint_names, "joint_positions": pose.joints}
         if isinstance(pose, str) and pose == "rest":
-            hand = self._server.describe("hand", self._session.state()["hand"])
+            hand = self._server.describe("hand", self._heard()["hand"])
             return {"joints": [joint["name"] for joint in hand["joints"]], "joint_positions": hand["rest_positions"]}
         if isinstance(pose, Mapping):
             return {"joints": list(pose), "joint_positions": list(pose.values())}
@@ -199,6 +238,44 @@ class Edits:
         stand = self._session.settings()["prior_shares"]
         self.edit("prior_shares", "prior_shares", {**stand, **shares})
 
+    # === Models and search
+
+    def hand(self, hand: str | os.PathLike[str]) -> None:
+        """Takes another hand, a name on the server or the path of a URDF to send; what still fits is kept."""
+        hand = self._server.load_hand(hand) if is_path(hand, "hand") else hand
+        self._warning("hand", "swapped_model", {"name": hand})
+
+    def object(self, object: str | os.PathLike[str], *, units: str = "") -> None:
+        """Takes another object, likewise; ``units`` of a file: m, cm, mm or in."""
+        if is_path(object, "object"):
+            object = self._server.load_object(object, units=units)
+        elif units:
+            raise InvalidInput(f"units {units!r}: object {object!r} is no file")
+        self._warning("object", "swapped_model", {"name": object})
+
+    def solver(self, solver: str | None = None, *, starts: int | None = None, seed: int | None = None,
+               max_evaluations: int | None = None, normal_form: str | None = None,
+               touch_only: bool | None = None) -> None:
+        """How poses are searched from now on, also after edits; what is None stays as it is.
+
+        ``solver``: default, lm, mma, ccsaq, slsqp, lbfgs, tnewton, var2, or all of them, ranked; ``paper`` searches as
+        the paper does: one start, the prior, by mma. ``starts``, ``seed``, ``max_evaluations`` (of a start): 0 is the
+        default. ``normal_form``: cosine, the paper's, or sum. With ``touch_only`` depth costs nothing.
+        """
+        changes: dict[str, Any] = {}
+        if solver == "paper":
+            if starts is not None:
+                raise InvalidInput("solver 'paper': it has its own start, so starts does not go with it")
+            changes |= {"solver": "default", "starts": 0, "paper": True}
+        elif solver is not None or starts is not None:
+            changes["paper"] = False
+        given = {"solver": None if solver == "paper" else solver, "starts": starts, "seed": seed,
+                 "max_evaluations": max_evaluations, "normal_form": normal_form}
+        changes |= {name: value for name, value in given.items() if value is not None}
+        if touch_only is not None:
+            changes["penetration"] = "reported" if touch_only else "avoided"
+        self.edit("solving", "solving", {**self._session.settings()["solving"], **changes})
+
     # === Back and forth
 
     def choose(self, rank: int) -> None:
@@ -212,6 +289,17 @@ class Edits:
     def redo(self, count: int = 1) -> None:
         """Brings back edits that were taken back."""
         self.edit("redo", "steps", {"count": count})
+
+    def take_back(self, index: int) -> None:
+        """Takes back an edit `at` a time of a motion, whoever made it and whatever was edited since.
+
+        ``index``: which one of ``settings()["timed"]``; below 0 from the end, as of any list.
+        """
+        count = len(self._session.settings()["timed"])
+        if count == 0:
+            raise InvalidInput(f"index {index!r}: nothing was edited at a time")
+        index = count_of("index", index, -count, count - 1)
+        self.edit("take_back", "take_back", {"index": index % count})
 
     # === Snapshots
 
@@ -229,11 +317,31 @@ class Edits:
         reply = self._server._client.ask({"kind": "compare", "compare": request})["compare"]
         return [Difference(**one) for one in reply["differences"]]
 
+    def _heard(self) -> dict[str, Any]:
+        """The session's state once the last edit of this program is in it."""
+        while True:
+            state = self._session.state()
+            if state["phase"] == "closed" or state["revision"] >= self._revision:
+                return state
+            if not self._server._client.alive():
+                raise NoServer("the server stopped answering")
+            time.sleep(0.005)
+
     def _warning(self, kind: str, member: str, value: Any) -> None:
         """An edit whose answer, where there is one, is a warning to who called its function."""
         said = self.edit(kind, member, value)
         if said:
             warnings.warn(said, stacklevel=3)
+
+
+def _rotation(name: str, matrix: Any) -> np.ndarray:
+    try:
+        R = np.asarray(matrix, dtype=float)
+    except (TypeError, ValueError):
+        raise WrongType(f"{name} {matrix!r}: it must be a 3x3 rotation") from None
+    if R.shape != (3, 3) or not np.allclose(R @ R.T, np.eye(3), atol=1e-6) or np.linalg.det(R) < 0:
+        raise InvalidInput(f"{name} {R.tolist()}: it must be a 3x3 rotation")
+    return R
 
 
 def _numbers(name: str, values: Any, count: int) -> np.ndarray:

@@ -14,7 +14,7 @@ from typing import Any, Iterator, Mapping, Sequence
 import numpy as np
 
 from . import _handgraft, motion_plans
-from .arguments import count_of, is_of_map, map_options, path_of, text_of
+from .arguments import count_of, is_of_map, is_path, map_options, path_of, text_of
 from .errors import Error, InvalidInput, Refused, WrongType
 from .poses import Pose, message_of
 from .session import Session
@@ -32,14 +32,6 @@ def _units_as_arguments() -> Iterator[None]:
     except Error as error:
         error.args = (re.sub(r"--units (\w+)", r"units='\1'", str(error)),)
         raise
-
-
-def _is_path(model: Any, option: str) -> bool:
-    if isinstance(model, os.PathLike):
-        return True
-    if not isinstance(model, str):
-        raise WrongType(f"{option}: {model!r} is neither a model's name nor a file's path")
-    return _handgraft.is_path(model)
 
 
 class Server:
@@ -137,7 +129,7 @@ class Server:
         the object's way, where a recording of contact points lacks it. ``hand``: whose joints the file tells, as a
         motion is exported to json or csv: what that hand touched is the motion.
         """
-        object = self.load_object(object) if object and _is_path(object, "object") else object
+        object = self.load_object(object) if object and is_path(object, "object") else object
         if object_path is None and not hand:
             return self._client.load_motion(path_of("path", path), object, text_of("name", name))["name"]
         if object_path is not None and hand:
@@ -145,7 +137,7 @@ class Server:
         name = name or pathlib.Path(path).stem
         if not hand:
             return self._load_made(name, object, motion_plans.of_recording(name, path, object_path))
-        hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
+        hand = self.load_hand(hand) if is_path(hand, "hand") else hand
         parts = motion_plans.of_trajectory(name, hand, path)
         return self._load_made(name, object or motion_plans.object_named_in(next(iter(parts[1].values()))), parts)
 
@@ -161,7 +153,7 @@ class Server:
         sets: list[str] = []
         under: list[str] = []
         for option, contacts in (("first", first), ("last", last)):
-            if _is_path(contacts, option):
+            if is_path(contacts, option):
                 sets.append(pathlib.Path(contacts).read_text())
                 under.append(motion_plans.object_named_in(sets[-1]))
             else:
@@ -184,8 +176,8 @@ class Server:
         by default the identity or what the joints of a floating base say; ``X_WO``: of the object. ``reach_m``: at
         which contact ends; ``every_s``: how often contacts are cut.
         """
-        hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
-        object = self.load_object(object) if _is_path(object, "object") else object
+        hand = self.load_hand(hand) if is_path(hand, "hand") else hand
+        object = self.load_object(object) if is_path(object, "object") else object
         names = list(joint_names) if joint_names is not None else self._joints_of(hand)
         parts = motion_plans.of_hand(name, hand, names, time_s, joints, X_WH, X_WO, reach_m=reach_m, every_s=every_s)
         return self._load_made(name, object, parts)
@@ -199,8 +191,8 @@ class Server:
         rest pose; or of all, in its order. ``X_WH``, ``X_WO``: the hand's root and the object in the world.
         ``reach``: m, at which contact ends; 0: 0.01.
         """
-        hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
-        object = self.load_object(object) if _is_path(object, "object") else object
+        hand = self.load_hand(hand) if is_path(hand, "hand") else hand
+        object = self.load_object(object) if is_path(object, "object") else object
         given = {} if joints is None else joints
         if not isinstance(given, Mapping):
             names = self._joints_of(hand)
@@ -243,7 +235,7 @@ class Server:
         ``{"thumb_mcp.upper": 1.2, "index_2.length": 1.1, "hand.size": 0.9}``: limits of joints in rad or m (``lower``,
         ``upper``), factors of their range, of a link's length or size, or of the whole hand's.
         """
-        hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
+        hand = self.load_hand(hand) if is_path(hand, "hand") else hand
         request = {"hand": hand, "name": name,
                    "changes": [{**property_of(one), "value": value} for one, value in changes.items()]}
         return self._made("variant", request, "make_variant")
@@ -257,7 +249,7 @@ class Server:
 
             server.sweep("tendon16", {"thumb_mcp.upper": np.linspace(0.3, 1.2, 10)}, [("lemon", "lemon_3")])
         """
-        hand = self.load_hand(hand) if _is_path(hand, "hand") else hand
+        hand = self.load_hand(hand) if is_path(hand, "hand") else hand
         if not isinstance(vary, Mapping):
             raise TypeError("vary: must map properties to values: {'hand.size': [0.9, 1.0, 1.1]}")
         axes = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in vary.items()}
@@ -275,7 +267,7 @@ class Server:
             asked.append({"object": sent["object"], "contacts": sent["contacts"]})
         motions = [motions] if isinstance(motions, str) else list(motions)
         for k, motion in enumerate(motions):
-            motions[k] = self.load_motion(motion) if _is_path(motion, "motion") else motion
+            motions[k] = self.load_motion(motion) if is_path(motion, "motion") else motion
             asked.append({"object": self.describe("motion", motions[k])["object"], "motion": motions[k]})
         request = {"hand": hand, "grasps": asked,
                    "axes": [{**property_of(name), "values": values} for name, values in axes.items()],
@@ -300,7 +292,7 @@ class Server:
             raise InvalidInput("a session is of contacts or of a motion: one of them has to be given, not both")
         request: dict[str, Any] = self._send(hand, object, contacts, units, **reading)
         if motion:
-            motion = self.load_motion(motion, request["object"]) if _is_path(motion, "motion") else motion
+            motion = self.load_motion(motion, request["object"]) if is_path(motion, "motion") else motion
             request["motion"] = motion
             request["object"] = request["object"] or self.describe("motion", motion)["object"]
         if X_WO is not None:
@@ -336,7 +328,7 @@ class Server:
 
     def _send(self, hand: Any, object: Any, contacts: Any, units: str, **reading: Any) -> dict[str, str]:
         """Their names on the server; of what is empty, empty."""
-        is_file = {option: model != "" and _is_path(model, option)
+        is_file = {option: model != "" and is_path(model, option)
                    for option, model in (("hand", hand), ("object", object), ("contacts", contacts))}
         if reading and not is_file["contacts"]:
             name, value = next(iter(reading.items()))

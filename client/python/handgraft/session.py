@@ -57,6 +57,7 @@ class Session(Edits):
     @property
     def joint_names(self) -> list[str]:
         """In the order of `Pose.joints`."""
+        self._joints = list(self._heard()["joint_names"])  # an edit may have changed the hand
         return list(self._joints)
 
     @property
@@ -169,10 +170,8 @@ class Session(Edits):
         """The session's state once nothing is at work for the last edit of this program."""
         try:
             while True:
-                state = self._session.state()
-                if state["phase"] == "closed":
-                    return state
-                if state["revision"] >= self._revision and state["phase"] not in ("transferring", "optimizing"):
+                state = self._heard()
+                if state["phase"] not in ("transferring", "optimizing"):
                     return state
                 if not self._server._client.alive():
                     raise NoServer("the server stopped answering")

@@ -1,6 +1,7 @@
 """Edits that the prompt has, too: where patches lie, what is prior, snapshots."""
 
 import json
+import pathlib
 
 import numpy as np
 import pytest
@@ -53,6 +54,53 @@ def test_a_root_that_is_none_is_told(session, where, told):
         session.root("thumb", **where)
 
 
+def site_of(server, session, name):
+    """A site's link, and its place on it."""
+    sites = {site["name"]: site for site in server.describe("hand", session.state()["hand"])["sites"]}
+    return sites[name]["link"], sites[name]["p_L_m"]
+
+
+def place_of(server, session, pose, link, p_L):
+    links = [one["name"] for one in server.describe("hand", session.state()["hand"])["links"]]
+    return (pose.link_poses[links.index(link)] @ [*p_L, 1.0])[:3]
+
+
+def held_links(session):
+    return [held["link"] for held in session.settings()["held"]]
+
+
+def test_a_site_is_dragged_by_its_name(server, session):
+    link, p_L = site_of(server, session, "thumb")
+    target = place_of(server, session, session.solve(), link, p_L) + (0.0, 0.0, 0.004)
+    session.drag("thumb", to=target)
+    np.testing.assert_allclose(place_of(server, session, session.pose(), link, p_L), target, atol=1e-3)
+    assert held_links(session) == [link]
+    session.release("thumb")
+    assert held_links(session) == []
+
+
+def test_the_end_of_a_sites_link_is_dragged_by_its_name(server, session):
+    link, p_L = site_of(server, session, "thumb")
+    links = {one["name"]: one for one in server.describe("hand", "barrett8", meshes=True)["links"]}
+    vertices = links[link]["surface_L"]["vertices_m"].reshape(-1, 3)
+    session.solve()
+    session.drag("thumb_tip", to=(0.0, 0.0, 0.1), weight=0.5)
+    (held,) = session.settings()["held"]
+    assert (held["link"], held["weight"]) == (link, 0.5)
+    assert np.linalg.norm(vertices - held["p_L_m"], axis=1).min() < 1e-6
+    assert np.linalg.norm(p_L - held["p_L_m"]) > 1e-3
+
+
+def test_a_drag_that_is_none_is_told(session):
+    session.solve()
+    with pytest.raises(handgraft.InvalidInput, match="no point 'sixth'; there are its sites .*palm.*_tip, and its links"):
+        session.drag("sixth", to=(0, 0, 0))
+    with pytest.raises(handgraft.InvalidInput, match="drag 'thumb': p_L and target_W have to be given, or to alone"):
+        session.drag("thumb", (0, 0, 0))
+    with pytest.raises(handgraft.InvalidInput, match="R_WL .*3x3 rotation"):
+        session.palm((0, 0, 0), 2 * np.eye(3))
+
+
 @pytest.fixture
 def free_session(session):
     """Where the prior alone counts: each edit of it is answered by itself."""
@@ -97,6 +145,67 @@ def test_the_hand_of_a_prior_is_placed(free_session):
     X_WH[:3, 3] = (0.1, 0.2, 0.3)
     free_session.prior("rest", X_WH)
     np.testing.assert_allclose(free_session.pose().X_WH, X_WH, atol=1e-4)
+
+
+@pytest.mark.filterwarnings("ignore:.*short of its")
+def test_the_palm_is_placed_and_turned(server, free_session):
+    link, p_L = site_of(server, free_session, "palm")
+    links = [one["name"] for one in server.describe("hand", "barrett8")["links"]]
+    R_WL = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    free_session.palm((0.1, 0.2, 0.3), R_WL)
+    pose = free_session.pose()
+    np.testing.assert_allclose(place_of(server, free_session, pose, link, p_L), (0.1, 0.2, 0.3), atol=1e-3)
+    np.testing.assert_allclose(pose.link_poses[links.index(link)][:3, :3], R_WL, atol=0.05)  # the prior pulls
+    free_session.palm((0.1, 0.2, 0.4))
+    np.testing.assert_allclose(place_of(server, free_session, free_session.pose(), link, p_L), (0.1, 0.2, 0.4), atol=1e-3)
+    free_session.release()
+    assert held_links(free_session) == []
+
+
+def test_another_hand_is_taken(session):
+    session.solve()
+    with pytest.warns(UserWarning, match="the hand has other joints"):
+        session.hand("human20")
+    assert session.state()["hand"] == "human20"
+    assert len(session.joint_names) == 20
+    assert session.pose().joint_names == session.joint_names
+    with pytest.raises(handgraft.Refused, match="glove"):
+        session.hand("glove")
+
+
+def test_another_object_is_taken(session):
+    file = pathlib.Path(__file__).parents[3] / "server" / "models" / "objects" / "lemon.obj"
+    before = session.state()["object"]
+    session.object(file)
+    session.solve()
+    assert session.state()["object"].startswith(before)
+    with pytest.raises(handgraft.InvalidInput, match="units 'mm': object 'lemon' is no file"):
+        session.object("lemon", units="mm")
+    with pytest.raises(handgraft.WrongType, match="object: 7 is neither"):
+        session.object(7)
+
+
+def test_how_it_searches_is_kept(session):
+    session.solver("slsqp", starts=3, seed=5, touch_only=True)
+    session.solver(max_evaluations=200, normal_form="sum")
+    kept = session.settings()["solving"]
+    assert {name: kept[name] for name in ("solver", "starts", "seed", "max_evaluations", "normal_form", "penetration")} == {
+        "solver": "slsqp", "starts": 3, "seed": 5, "max_evaluations": 200, "normal_form": "sum", "penetration": "reported"}
+    session.solver("paper")
+    kept = session.settings()["solving"]
+    assert (kept["paper"], kept["solver"], kept["starts"], kept["seed"]) == (True, "default", 0, 5)
+    session.solver("lm", touch_only=False)
+    kept = session.settings()["solving"]
+    assert (kept["paper"], kept["solver"], kept["penetration"]) == (False, "lm", "avoided")
+    with pytest.raises(handgraft.InvalidInput, match="'paper'.*starts"):
+        session.solver("paper", starts=2)
+    with pytest.raises(handgraft.InvalidInput, match="newton"):
+        session.solver("newton")
+
+
+def test_nothing_that_was_edited_at_a_time_is_taken_back(session):
+    with pytest.raises(handgraft.InvalidInput, match="index 0: nothing was edited at a time"):
+        session.take_back(0)
 
 
 def test_a_prior_that_is_none_is_told(session):

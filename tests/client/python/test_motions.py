@@ -101,6 +101,22 @@ def test_an_edit_at_a_time_changes_the_frames_about_it(server, pull, followed):
         assert (np.abs(session.motion().joints - before.joints).max(axis=1) > 1e-9).all()
 
 
+def test_an_edit_of_somebody_else_at_a_time_is_taken_back(server, pull):
+    with server.open("tendon16", motion=pull) as session:
+        other = server.join(session.id)
+        with other.at(0.5, falloff_s=0.1):
+            other.turn("thumb", 0.5)
+        with session.at(1.5, falloff_s=0.1):
+            session.turn("index", 0.3)
+            assert [timed["time_s"] for timed in session.settings()["timed"]] == [0.5, 1.5]
+            session.take_back(0)
+        assert [timed["time_s"] for timed in session.settings()["timed"]] == [1.5]
+        with pytest.raises(handgraft.InvalidInput, match="index 1: it must be -1 to 0"):
+            session.take_back(1)
+        session.take_back(-1)
+        assert len(session.settings()["timed"]) == 0
+
+
 def test_a_motion_is_exported(followed, tmp_path):
     session, motion = followed
     session.export("npz", tmp_path / "pull.npz")
