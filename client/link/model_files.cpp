@@ -41,6 +41,16 @@ void requireReadable(const fs::path& path) {
   }
 }
 
+/// What shows contact goes along with the mesh that it lies on.
+void requireNoPicture(const fs::path& contacts) {
+  static const std::regex png(R"(\.png)", std::regex::icase);
+  if (!std::regex_match(contacts.extension().string(), png)) return;
+  rejectInput(
+      "contacts {}: a picture is no contact map by itself; give the mesh that it lies on, "
+      "and the picture as --picture FILE --colors SCALE",
+      quoted(contacts.string()));
+}
+
 ModelFiles withMainFile(v1::ModelKind kind, const fs::path& path) {
   requireReadable(path);
   ModelFiles model;
@@ -221,6 +231,7 @@ ModelFiles contactFiles(const fs::path& path,
                         const std::string& object,
                         const ContactReading& reading,
                         const std::string& units) {
+  requireNoPicture(path);
   ModelFiles model = withMainFile(v1::MODEL_CONTACTS, path);
   model.object = object;
   model.units = units;

@@ -80,7 +80,7 @@ ModelFiles objectFiles(const std::filesystem::path& mesh,
                        const std::filesystem::path& within = {});
 
 /// A contact set (JSON) or a contact map (PLY, or glTF and the like with a picture). Errors as
-/// `handFiles`.
+/// `handFiles`, and InvalidInput for a picture (PNG) without its mesh.
 ModelFiles contactFiles(const std::filesystem::path& path,
                         const std::string& object,
                         const ContactReading& reading = {},

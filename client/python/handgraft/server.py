@@ -25,12 +25,12 @@ _KINDS = ("hand", "object", "contacts", "motion")
 
 
 @contextlib.contextmanager
-def _units_as_arguments() -> Iterator[None]:
-    """The server's advice names the command's option."""
+def _options_as_arguments() -> Iterator[None]:
+    """Advice names the command's options."""
     try:
         yield
     except Error as error:
-        error.args = (re.sub(r"--units (\w+)", r"units='\1'", str(error)),)
+        error.args = (re.sub(r"--(units|picture|colors) (\w+)", r"\1='\2'", str(error)),)
         raise
 
 
@@ -93,13 +93,13 @@ class Server:
         folders = {text_of("packages", package): path_of(f"packages[{package!r}]", folder)
                    for package, folder in (packages or {}).items()}
         options = {"mirrored": mirrored, "rest_pose": rest_pose}
-        with _units_as_arguments():
+        with _options_as_arguments():
             return self._client.load_hand(path_of("urdf", urdf), text_of("name", name), text_of("units", units), folders,
                                           options)["name"]
 
     def load_object(self, mesh: str | os.PathLike[str], name: str = "", *, units: str = "") -> str:
         """Sends a mesh; returns the model's name. ``units``: m, cm, mm or in; metres by default."""
-        with _units_as_arguments():
+        with _options_as_arguments():
             return self._client.load_object(path_of("mesh", mesh), text_of("name", name), text_of("units", units))["name"]
 
     def load_contacts(self, path: str | os.PathLike[str], object: str, name: str = "", *, units: str = "",
@@ -113,10 +113,7 @@ class Server:
         ``otsu``, ``low_share``, ``outline``, ``smooth``; ``min_area``: m^2; ``points``: on each outline.
         """
         files, reading = map_options(options)
-        if pathlib.PurePath(path_of("path", path)).suffix.lower() == ".png":
-            raise InvalidInput(f"contacts {os.fspath(path)!r}: a picture is no contact map by itself; give the mesh that it "
-                               "lies on, and this as picture='...', colors='...'")
-        with _units_as_arguments():
+        with _options_as_arguments():
             return self._client.load_contacts(path_of("path", path), text_of("object", object), text_of("name", name),
                                               text_of("units", units), files["picture"], files["joints"],
                                               reading)["name"]

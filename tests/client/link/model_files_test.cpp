@@ -125,6 +125,17 @@ TEST_F(ModelFilesTest, SendsWhatOptionsOfAContactMapName) {
   EXPECT_EQ(model.units, "mm");
 }
 
+TEST_F(ModelFilesTest, APictureGivenAsContactsIsToldToGoWithItsMesh) {
+  write("touched.PNG", "png");
+  EXPECT_THAT(
+      [&] {
+        (void)contactFiles(root / "touched.PNG", "bulb");
+      },
+      testing::ThrowsMessage<InvalidInput>(testing::HasSubstr(
+          "touched.PNG': a picture is no contact map by itself; give the mesh that it lies on, "
+          "and the picture as --picture FILE --colors SCALE")));
+}
+
 TEST_F(ModelFilesTest, ComplaintsNameFilesAsTheyWereGiven) {
   write("pull.csv", "time_s");
   write("hand.json", "[]");
