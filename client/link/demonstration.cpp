@@ -56,13 +56,25 @@ void DemonstratorWriter::write(v1::DemonstratorFrame frame) {
   writer_.write(frame);
 }
 
-std::vector<v1::DemonstratorFrame> readDemonstration(const std::filesystem::path& path) {
+Demonstration readDemonstration(const std::filesystem::path& path) {
   const std::string text = readFile(path);
   try {
-    return framesOf(formats::parseDemonstration(text));
+    const formats::Demonstration read = formats::parseDemonstration(text);
+    return {read.object, framesOf(read)};
   } catch (const InvalidInput& error) {
     rejectInput("{}: {}", quoted(path.string()), error.what());
   }
+}
+
+std::string noteOfAnotherObject(const Demonstration& demonstration,
+                                const v1::SessionState& session) {
+  const std::string held = nameCalled(session.object());
+  if (demonstration.object.empty() || nameCalled(demonstration.object) == held) return "";
+  return fmt::format(
+      "the demonstration is of object {}, session {} holds {}: the hand follows as if that "
+      "were "
+      "touched",
+      quoted(demonstration.object), session.session_id(), quoted(held));
 }
 
 }  // namespace handgraft::client

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "client/link/client.h"
 #include "idl/cyclone/participant.h"
 #include "idl/motions.h"
+#include "idl/sessions.h"
 
 namespace handgraft::client {
 
@@ -33,10 +35,21 @@ class DemonstratorWriter {
   std::uint64_t sent_ = 0;
 };
 
-/// Reads `handgraft-demonstration/1` (core/io/FORMATS.md) as the frames that a server follows:
-/// times, side, joints' places or MANO's pose, the object's pose. Sessions and numbers are left
-/// to whoever sends them.
+/// A recorded demonstrator.
+struct Demonstration {
+  std::string object;  ///< as the file names it; empty: it does not
+  /// Times, side, joints' places or MANO's pose, the object's pose. Sessions and numbers are
+  /// left to whoever sends them.
+  std::vector<v1::DemonstratorFrame> frames;
+};
+
+/// Reads `handgraft-demonstration/1` (core/io/FORMATS.md) as the frames that a server follows.
 /// Errors: InvalidInput naming the file, the field and the frame.
-std::vector<v1::DemonstratorFrame> readDemonstration(const std::filesystem::path& path);
+Demonstration readDemonstration(const std::filesystem::path& path);
+
+/// That a session holds another object than a demonstration names, which is no reason to refuse
+/// it: objects of the same shape have several names. Empty if it does not, or none is named.
+std::string noteOfAnotherObject(const Demonstration& demonstration,
+                                const v1::SessionState& session);
 
 }  // namespace handgraft::client

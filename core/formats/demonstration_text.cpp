@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -93,6 +92,8 @@ Demonstration demonstrationFrom(const json& root) {
                               "mano_pose_rad", "mano_translation_m"}))
     rejectInput("{}", *fault);
   Demonstration demonstration;
+  if (const auto object = root.find("object"); object != root.end() && object->is_string())
+    demonstration.object = *object;
   demonstration.is_left = isLeftIn(root);
   demonstration.is_mano = root.contains("mano_pose_rad");
   if (demonstration.is_mano == root.contains("joints_W_m"))

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct DemonstrationFrame {
 
 /// A human hand over time, as `handgraft-demonstration/1` has it (core/io/FORMATS.md).
 struct Demonstration {
+  std::string object;  ///< as the file names it; empty: it does not
   bool is_left = false;
   bool is_mano = false;
   std::vector<DemonstrationFrame> frames;  ///< at least one; their times grow

@@ -139,8 +139,8 @@ TEST(Motion, ABoxIsPulledOffAShelfAndTurned) {
 }
 
 /// A MANO hand that closes about a box within half a second, then both are moved.
-std::string demonstration() {
-  json file = {{"format", "handgraft-demonstration/1"}, {"object", "box"}};
+std::string demonstration(const std::string& object = "box") {
+  json file = {{"format", "handgraft-demonstration/1"}, {"object", object}};
   for (int k = 0; k < 60; ++k) {
     const double share = std::min(1.0, k / 30.0);
     const double way_m = 0.002 * std::max(0, k - 30);
@@ -171,6 +171,13 @@ TEST(Motion, ADemonstratorIsImportedAndFollowedLive) {
   EXPECT_GT(followed.at("answered"), 20);
   EXPECT_LT(followed.at("largest_step"), 2.0);
   EXPECT_EQ(followed.at("message"), "");
+
+  // Of another object it is followed all the same, and both names are told.
+  const Finished of_another = service.client(
+      {"motion", "follow", session, written("of_a_lemon.json", demonstration("lemon"))});
+  EXPECT_EQ(of_another.exit_code, 0) << of_another.err;
+  EXPECT_THAT(of_another.err,
+              HasSubstr("is of object 'lemon', session " + session + " holds 'box'"));
 
   // While somebody else is followed, it is said and ends.
   {

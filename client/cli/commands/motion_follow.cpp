@@ -36,16 +36,22 @@ constexpr int kFailed = 1;
 int run(const MotionFollowOptions& options,
         const CommonOptions& common,
         Interruption& interruption) {
-  const std::vector<v1::DemonstratorFrame> frames = readDemonstration(options.demonstration);
+  const Demonstration demonstration = readDemonstration(options.demonstration);
+  const std::vector<v1::DemonstratorFrame>& frames = demonstration.frames;
   std::vector<double> times;
   for (const v1::DemonstratorFrame& frame : frames)
     times.push_back(frame.time_s());
   // Nobody waits an hour for the end of a recording of four seconds to read it.
-  if (const std::string note = timeUnitNote(times); !note.empty())
+  const auto tell = [&](const std::string& note) {
+    if (note.empty()) return;
     fmt::print(stderr, "handgraft: {}: {}\n", quoted(options.demonstration.string()), note);
+  };
+  tell(timeUnitNote(times));
   Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
-  FollowAnswers answers(server.describeSession(session_id).get().message());
+  const v1::SessionState before = server.describeSession(session_id).get();
+  tell(noteOfAnotherObject(demonstration, before));
+  FollowAnswers answers(before.message());
   Listener listener;
   listener.on_solution = [&answers](const v1::PoseSolution& solution) {
     answers.came(solution, FollowClock::now());
