@@ -68,8 +68,8 @@ geometry::Thinned thinnedAt(double apart, const std::vector<Facet>& facets) {
   return geometry::thinOut(points, std::vector<int>(facets.size(), 0), apart);
 }
 
-/// Samples of a link, none within `spacing` of another one; of its facets the first ones stay.
-/// Along its edges they stand `along_edges` apart, at least.
+/// Samples of a link: on its faces none within `spacing` of another one, of its facets the
+/// first ones stay; along its edges none within `along_edges`, or more where they are many.
 SampleSet spread(const std::vector<Facet>& facets, double spacing, double along_edges) {
   const geometry::Thinned even = thinnedAt(spacing, facets);
   std::vector<double> areas(even.kept.size(), 0.0);
