@@ -86,12 +86,12 @@ struct SolidFindings {
 ///
 /// Samples come from the skin, which looks outwards, and are moved onto the links' own
 /// surfaces; corners and edges of those come first, since they stand out from between others.
-/// They stand the farther apart the thicker a link is, fine ones by 4 mm at most, and by 1.2 mm
-/// along edges. A field is of the link's own surface where that holds what its skin does: the
-/// skin has nothing of a palm beneath the thumb, nor of knuckles between each other. Where it
-/// does not (shells, soups, frames full of screws, walls within), the field is that of the
-/// skin's part. What of the skin belongs to no link (sheets over holes) counts for nothing.
-/// Deterministic. Const and safe from several threads.
+/// They stand the farther apart the thicker a link is, fine ones by 4 mm at most, and by 1.5 mm
+/// along edges, here and there by 3. A field is of the link's own surface where that holds what
+/// its skin does: the skin has nothing of a palm beneath the thumb, nor of knuckles between
+/// each other. Where it does not (shells, soups, frames full of screws, walls within), the
+/// field is that of the skin's part. What of the skin belongs to no link (sheets over holes)
+/// counts for nothing. Deterministic. Const and safe from several threads.
 class HandSolid {
  public:
   /// `skin` of this `model`. `findings`, if given: those of making the same solid before, which
