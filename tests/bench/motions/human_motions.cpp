@@ -308,9 +308,7 @@ void runHumanMotions(const fs::path& data,
   if (ways != HumanWays::kLive) {
     std::printf(
         "| sequence | hand | way | mean mm | normals deg | deepest mm | frames past 2 mm | "
-        "jerk "
-        "| "
-        "largest step rad | ms a frame |\n|---|---|---|---|---|---|---|---|---|---|\n");
+        "jerk | largest step rad | ms a frame |\n|---|---|---|---|---|---|---|---|---|---|\n");
     for (const HumanSequence& sequence : sequences)
       for (const hand::Hand& hand : hands)
         follow(sequence, human, tips, hand, ways == HumanWays::kAll);

@@ -386,13 +386,16 @@ void addMotionsCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--edits", arguments->edits,
                     "Edit a motion of 1,000 frames of the library, too");
-  command->add_flag("--human", arguments->human,
-                    "The human's own contact areas, beside fingertip kinematics and DexPilot, "
-                    "and no more");
-  command->add_flag("--no-baselines", arguments->no_baselines,
-                    "With --human: contacts alone, without fingertips and DexPilot");
-  command->add_flag("--live", arguments->live,
-                    "With --human: frame by frame as they come alone");
+  CLI::Option* human = command->add_flag(
+      "--human", arguments->human,
+      "The human's own contact areas, beside fingertip kinematics and DexPilot, and no more");
+  command
+      ->add_flag("--no-baselines", arguments->no_baselines,
+                 "With --human: contacts alone, without fingertips and DexPilot")
+      ->needs(human);
+  command
+      ->add_flag("--live", arguments->live, "With --human: frame by frame as they come alone")
+      ->needs(human);
   command->add_flag("--offline", arguments->offline_only, "All frames at once alone");
   command->add_option(
       "--single", arguments->single,
