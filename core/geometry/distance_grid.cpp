@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "core/base/error.h"
@@ -233,6 +234,31 @@ HANDGRAFT_WIDE double DistanceGrid::at(const Eigen::Vector3d& p,
              __attribute__((always_inline)) { return valueIn(query..., gradient); });
   gradient *= per_spacing_;
   return value;
+}
+
+HANDGRAFT_WIDE double DistanceGrid::atLeast(const Eigen::Vector3d& p) const {
+  if (!box_.contains(p)) return 0.0;
+  const Eigen::Vector3d u = (p - origin_) * per_spacing_;
+  const Eigen::Vector3i middle = (u.array() + 0.5).cast<int>();
+  const Eigen::Vector3d t = u - middle.cast<double>();
+  const float* const first = values_.data() + indexOf((middle.array() - 1).matrix());
+  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(counts_[0]) * counts_[1];
+  // Nodes beyond the band are blended: all that is sure of them is that they lie beyond it, and
+  // of those inside not even how far in.
+  const double most = kBand * spacing_;
+  double bound = -std::numeric_limits<double>::infinity();
+  for (int k = -1; k <= 1; ++k) {
+    for (int j = -1; j <= 1; ++j) {
+      const float* const row = first + (k + 1) * plane + (j + 1) * counts_[0];
+      const double across = (t[2] - k) * (t[2] - k) + (t[1] - j) * (t[1] - j);
+      for (int i = -1; i <= 1; ++i) {
+        const double value = row[i + 1];
+        const double way = spacing_ * std::sqrt(across + (t[0] - i) * (t[0] - i));
+        if (value > 0.0) bound = std::max(bound, std::min(value, most) - way);
+      }
+    }
+  }
+  return bound;
 }
 
 std::vector<DistanceGrid::Cell> DistanceGrid::solidCells() const {

@@ -42,6 +42,10 @@ class DistanceGrid {
   /// Also the gradient; zero outside the box, where nobody is inside anything.
   [[nodiscard]] double at(const Eigen::Vector3d& p, Eigen::Vector3d& gradient) const;
 
+  /// No more than the exact distance at p: that of nodes about it that lie outside, less the
+  /// way there; minus infinity if none does. 0 outside the box. Cost: some 60 ns.
+  [[nodiscard]] double atLeast(const Eigen::Vector3d& p) const;
+
   /// Nothing within `radius` of p lies inside; a no may be one for want of a closer look.
   /// Cost: one node.
   [[nodiscard]] bool isClear(const Eigen::Vector3d& p, double radius) const {

@@ -20,12 +20,13 @@ struct Inside {
   double depth_area = 0.0;
 };
 
-double deepestOf(const LinkSolid& solid,
-                 const DistanceGrid& object_O,
-                 const Pose& X_OL,
-                 Inside& inside,
-                 const Progress& progress) {
-  double deepest = 0.0;
+/// Calls `take(sample, p_O, guess)` for what of a link is not far outside; the grid's guess
+/// rounds edges by half a spacing.
+template <class Take>
+void visitNear(const LinkSolid& solid,
+               const DistanceGrid& object_O,
+               const Pose& X_OL,
+               const Take& take) {
   const Eigen::Matrix3d R_OL = X_OL.linear();
   const Vector3d p_OL = X_OL.translation();
   solid.fine.visit(
@@ -35,30 +36,79 @@ double deepestOf(const LinkSolid& solid,
       [&](const hand::SurfaceSample& sample) {
         const Vector3d p_O = p_OL + R_OL.lazyProduct(sample.p_L);
         if (object_O.isClear(p_O, object_O.spacing())) return;
-        // The grid rounds edges by half a spacing; inside the object it only has to find them.
         const double guess = object_O.at(p_O);
-        if (guess > object_O.spacing()) return;
-        progress.checkpoint();
-        // So far inside that the exact sign, which costs as much again, is known.
-        const double depth = guess < -2.0 * object_O.spacing()
-                                 ? object_O.exact().distance(p_O)
-                                 : -object_O.exact().at(p_O).distance;
-        if (depth <= kTouch) return;
-        deepest = std::max(deepest, depth);
-        inside.area += sample.area_m2;
-        inside.depth_area += sample.area_m2 * depth;
+        if (guess <= object_O.spacing()) take(sample, p_O, guess);
       });
+}
+
+/// How deep a place lies in the object, exact; 0 if not deeper than `least`.
+double depthAt(const Vector3d& p_O,
+               double guess,
+               double least,
+               const DistanceGrid& object_O,
+               const Progress& progress) {
+  progress.checkpoint();
+  const double depth = object_O.exact().distance(p_O);
+  if (depth <= std::max(least, kTouch)) return 0.0;
+  // So far inside that the exact sign, which costs as much again, is known.
+  const bool is_inside = guess < -2.0 * object_O.spacing() || object_O.exact().contains(p_O);
+  return is_inside ? depth : 0.0;
+}
+
+/// The deepest of a link's samples, and sums over all that lie inside.
+double depthOfAll(const LinkSolid& solid,
+                  const DistanceGrid& object_O,
+                  const Pose& X_OL,
+                  Inside& inside,
+                  const Progress& progress) {
+  double deepest = 0.0;
+  visitNear(solid, object_O, X_OL,
+            [&](const hand::SurfaceSample& sample, const Vector3d& p_O, double guess) {
+              const double depth = depthAt(p_O, guess, 0.0, object_O, progress);
+              if (depth <= 0.0) return;
+              deepest = std::max(deepest, depth);
+              inside.area += sample.area_m2;
+              inside.depth_area += sample.area_m2 * depth;
+            });
   return deepest;
 }
 
-/// How deep a link lies in the object, walls thinner than it included.
-double depthIn(const LinkSolid& solid,
-               const geometry::Solid& object_O,
-               const Pose& X_OL,
-               const std::vector<ContactSide>& sides,
-               Inside& inside,
-               const Progress& progress) {
-  double depth = deepestOf(solid, object_O.grid(), X_OL, inside, progress);
+/// The deepest of a link's samples; 0 if none is deeper than `least`. Of most of them the grid
+/// tells that they are not, once one is known that is deep.
+double depthOfDeepest(const LinkSolid& solid,
+                      const DistanceGrid& object_O,
+                      const Pose& X_OL,
+                      double least,
+                      const Progress& progress) {
+  struct Near {
+    Vector3d p_O;
+    double guess;
+  };
+
+  std::vector<Near> near;
+  visitNear(solid, object_O, X_OL,
+            [&](const hand::SurfaceSample&, const Vector3d& p_O, double guess) {
+              near.push_back({p_O, guess});
+            });
+  std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) {
+    return a.guess < b.guess;
+  });
+  double deepest = 0.0;
+  for (const Near& one : near) {
+    const double known = std::max({deepest, least, kTouch});
+    if (object_O.atLeast(one.p_O) >= -known) continue;
+    deepest = std::max(deepest, depthAt(one.p_O, one.guess, known, object_O, progress));
+  }
+  return deepest;
+}
+
+/// The same where the object's walls are thinner than the link; `depth` if that is more.
+double withWalls(double depth,
+                 const LinkSolid& solid,
+                 const geometry::Solid& object_O,
+                 const Pose& X_OL,
+                 const std::vector<ContactSide>& sides,
+                 const Progress& progress) {
   const WallPenetration wall = wallPenetration(solid, object_O.walls(), X_OL);
   if (wall.depth_m > kTouch) depth = std::max(depth, wall.depth_m);
   progress.checkpoint();
@@ -157,7 +207,8 @@ Penetration measurePenetration(const hand::HandModel& model,
   for (const LinkSolid& solid : hand.links()) {
     const Pose& X = X_OL[static_cast<std::size_t>(solid.link)];
     if (object_O.grid().isClear(X * solid.centre_L, solid.radius)) continue;
-    const double at_surface = depthIn(solid, object_O, X, sides, inside, progress);
+    const double at_surface = withWalls(depthOfAll(solid, object_O.grid(), X, inside, progress),
+                                        solid, object_O, X, sides, progress);
     progress.checkpoint();
     const Shared shared = sharedWith(solid, object_O.grid(), X);
     result.volume_m3 += shared.volume_m3;
@@ -188,12 +239,12 @@ double depthOfLinks(const hand::HandSolid& hand,
                     const hand::LinkPoses& X_OL,
                     const Progress& progress,
                     const std::vector<ContactSide>& sides) {
-  Inside inside;
   double deepest = 0.0;
   for (const LinkSolid& solid : hand.links()) {
     const Pose& X = X_OL[static_cast<std::size_t>(solid.link)];
     if (object_O.grid().isClear(X * solid.centre_L, solid.radius)) continue;
-    deepest = std::max(deepest, depthIn(solid, object_O, X, sides, inside, progress));
+    const double here = depthOfDeepest(solid, object_O.grid(), X, deepest, progress);
+    deepest = withWalls(std::max(deepest, here), solid, object_O, X, sides, progress);
   }
   return deepest;
 }

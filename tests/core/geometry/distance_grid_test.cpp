@@ -67,6 +67,32 @@ TEST(DistanceGrid, TellsHowFarAPlaceMayMove) {
   }
 }
 
+TEST(DistanceGrid, BoundsTheExactDistanceFromBelow) {
+  for (const TriangleMesh& mesh : {makeSphere(0.04, 4), makeTorus(0.05, 0.02, 60, 30),
+                                   makeBox({0.1, 0.06, 0.03}), makeBox({0.12, 0.003, 0.1})}) {
+    const DistanceGrid grid = gridOf(mesh);
+    const double h = grid.spacing();
+    std::mt19937 random(5);
+    double lost = 0.0;
+    int near = 0;
+    for (int k = 0; k < 20000; ++k) {
+      const Vector3d p = randomIn(0.07, random);
+      const double exact = grid.exact().at(p).distance;
+      const double bound = grid.atLeast(p);
+      EXPECT_LE(bound, std::max(exact, 0.0) + 1e-9) << p.transpose();
+      if (exact < 0.0) {
+        EXPECT_LE(bound, exact + 1e-9) << p.transpose();
+      }
+      if (std::abs(exact) > 0.5 * h) continue;
+      lost += exact - bound;
+      ++near;
+    }
+    ASSERT_GT(near, 100);
+    // So close that it is worth asking.
+    EXPECT_LT(lost / near, 0.35 * h);
+  }
+}
+
 TEST(DistanceGrid, IsNearlyExactOnSmoothSurfaces) {
   const DistanceGrid grid = gridOf(makeSphere(0.04, 5), 300000);
   std::mt19937 random(2);

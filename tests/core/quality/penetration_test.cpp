@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -309,6 +310,39 @@ TEST(Penetration, DepthsAloneAreThoseOfTheWhole) {
   }
   EXPECT_GT(deepest.object_m, 0.005);
   EXPECT_GT(deepest.self_m, 0.005);
+}
+
+TEST(Penetration, TheDeepestIsFoundAmongManyThatTouch) {
+  // Plain measuring, at each sample; a tenth of a millimetre decides which of them is deepest.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> depth(-3e-4, 2e-3);
+  std::normal_distribution<double> turn;
+  const hand::HandModel model = handOfABox({0.03, 0.02, 0.02});
+  const hand::Skin skin = skinOfABox(model);
+  const hand::HandSolid solid(model, skin, Progress());
+  for (const geometry::TriangleMesh& mesh :
+       {geometry::makeBox({0.2, 0.2, 0.05}), geometry::makeSphere(0.05, 5)}) {
+    const auto object_O = solidOf(mesh);
+    const double top = mesh.vertices().row(2).maxCoeff();
+    int inside = 0;
+    for (int k = 0; k < 40; ++k) {
+      hand::HandPose X_OH;
+      X_OH.X_WH.linear() =
+          rotationFromVector({0.02 * turn(random), 0.02 * turn(random), 0.02 * turn(random)});
+      X_OH.X_WH.translation() = Vector3d(0.04 * (k % 2), 0.0, top + 0.01 - depth(random));
+      double deepest = 0.0;
+      for (const hand::SurfaceSample& sample : solid.links()[0].fine.samples) {
+        const double distance = object_O->grid().exact().at(X_OH.X_WH * sample.p_L).distance;
+        deepest = std::max(deepest, -distance);
+      }
+      const double told = measureDepth(model, solid, *object_O, X_OH, Progress());
+      // Walls and rounding of a touch come on top.
+      EXPECT_GE(told, deepest - 1e-6);
+      EXPECT_LE(told, deepest + 2e-4);
+      inside += deepest > 1e-5 ? 1 : 0;
+    }
+    EXPECT_GT(inside, 10);
+  }
 }
 
 }  // namespace
