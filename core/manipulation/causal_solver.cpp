@@ -20,6 +20,10 @@ constexpr double kMomentum = 0.7;
 
 constexpr int kMostEvaluations = 20;
 
+// Depth beside what a grasp pays for it: contacts that run ahead of the hand would pull it into
+// the object meanwhile (DECISIONS).
+constexpr double kDepthShare = 4.0;
+
 // Share of the objective; a tenth of a millimetre of one point among fifty.
 constexpr double kPromise = 1e-5;
 
@@ -116,6 +120,8 @@ CausalSolver::Step CausalSolver::follow(double time_s, optimize::PoseProblem sin
   const auto tree = std::make_shared<const optimize::MomentTree>(makeMomentTree(single));
   const optimize::SearchSpace space = makeSearchSpace(single, *tree);
   optimize::Objective objective(single, tree);
+  objective.level({true, kDepthShare});
+  objective.swapNear(near_);  // as the last frame left them
   optimize::NewtonSearch search(single, space, objective);
   search.settings.promise = kPromise;
   search.settings.first_damping = 1e-3;
@@ -124,6 +130,7 @@ CausalSolver::Step CausalSolver::follow(double time_s, optimize::PoseProblem sin
   while (evaluations > 0 &&
          search.improve(evaluations) == optimize::NewtonSearch::Step::kBetter) {
   }
+  objective.swapNear(near_);
   damping_ = std::clamp(search.damping(), 1e-6, 1e-1);
 
   Step step;

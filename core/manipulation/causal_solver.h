@@ -5,6 +5,7 @@
 #include "core/base/progress.h"
 #include "core/manipulation/motion_problem.h"
 #include "core/manipulation/trajectory.h"
+#include "core/optimize/near_samples.h"
 #include "core/optimize/solve_report.h"
 
 namespace handgraft::manipulation {
@@ -52,6 +53,7 @@ class CausalSolver {
   std::optional<Past> last_;
   std::optional<Past> before_;
   double damping_ = 0.0;
+  optimize::NearLists near_;
 };
 
 /// All frames one after the other, fades from the changes on. Begins at the best pose of the

@@ -42,8 +42,8 @@ double AvoidanceTerm::evaluate(const Vector3d& p_WH, const std::vector<BodyPlace
     place.b_W = place.arm_W + place.R_WL.lazyProduct(solids[k].capsule_L.b);
   }
   if (level_.share == 0.0) return 0.0;
-  if (near_.fine != level_.fine) near_.forget();
-  near_.fine = level_.fine;
+  near_.startFor({avoidance_.hand, avoidance_.object_O, avoidance_.margin_m,
+                  avoidance_.self_margin_m, level_.fine});
   near_.in_object.resize(places_.size());
   near_.of_walls.resize(places_.size());
   near_.of_pairs.resize(avoidance_.hand->collisionPairs().size());

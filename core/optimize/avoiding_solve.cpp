@@ -186,6 +186,11 @@ class WayOut {
         crossed_(problem, *prepared_.tree) {
     search_.attend(nobody_, keep_going_);
     search_.endBelow(options.least_promise);
+    if (options.near != nullptr) search_.swapNear(*options.near);
+  }
+
+  ~WayOut() {
+    if (options_.near != nullptr) search_.swapNear(*options_.near);
   }
 
   WayOut(const WayOut&) = delete;

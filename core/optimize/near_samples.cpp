@@ -14,7 +14,9 @@ double motionOf(const Pose& from,
   return (turned * centre + moved).norm() + turned.norm() / std::numbers::sqrt2 * radius;
 }
 
-void NearLists::forget() {
+void NearLists::startFor(const Source& now) {
+  if (source == now) return;
+  source = now;
   for (std::vector<NearSamples>* lists : {&in_object, &of_walls})
     for (NearSamples& near : *lists)
       near.forget();

@@ -9,6 +9,8 @@
 
 #include "core/base/pose.h"
 #include "core/geometry/distance_grid.h"
+#include "core/geometry/solid.h"
+#include "core/hand/hand_solid.h"
 
 namespace handgraft::optimize {
 
@@ -103,13 +105,25 @@ void NearSamples::visit(const Query& query,
 
 /// All lists of a hand in an object and in itself, of one that moves little.
 struct NearLists {
+  /// What they are of: they say nothing of anything else.
+  struct Source {
+    std::shared_ptr<const hand::HandSolid> hand;
+    std::shared_ptr<const geometry::Solid> object_O;
+    double margin_m = 0.0;
+    double self_margin_m = 0.0;
+    bool fine = true;  ///< of all samples
+
+    bool operator==(const Source&) const = default;
+  };
+
+  Source source;
   std::vector<NearSamples> in_object;  ///< a link's samples
   std::vector<NearSamples> of_walls;   ///< the object's, a link
   /// Each one's in the other, a pair of links; none yet for those that have always been apart.
   std::vector<std::unique_ptr<std::array<NearSamples, 2>>> of_pairs;
-  bool fine = true;  ///< of all samples
 
-  void forget();
+  /// Keeps what they know of the same, and nothing of anything else.
+  void startFor(const Source& now);
 };
 
 }  // namespace handgraft::optimize

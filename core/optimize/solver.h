@@ -35,6 +35,8 @@ inline constexpr int kDefaultEvaluations = 1000;  ///< a start; the paper's cap
 
 inline constexpr double kLeastPromise = 1e-9;
 
+struct NearLists;
+
 struct SolveOptions {
   Solver solver = kDefaultSolver;
   /// Start 0 is the problem's own; the next ones its joints, the prior's and the rest pose's
@@ -53,6 +55,9 @@ struct SolveOptions {
   /// What a search of this problem, or of one much like it, found without the charge for
   /// penetration: it is not searched again.
   std::vector<Minimum> found;
+  /// What a solve leaves there the next one begins with, if hand and object are the same: the
+  /// same answer, sooner where it begins near. For one solve at a time; null: begins anew.
+  NearLists* near = nullptr;
   /// Called from the solving threads, one at a time, with each better pose. What it throws ends
   /// the solve and is thrown from there.
   std::function<void(const hand::HandPose&, const Terms&)> on_improvement;

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/geometry/tangent.h"
 #include "core/hand/finger_coordinates.h"
+#include "core/optimize/near_samples.h"
 #include "core/placement/hand_pose_guess.h"
 #include "core/placement/open_directions.h"
 #include "core/placement/open_roots.h"
@@ -78,7 +79,8 @@ std::vector<quality::ContactSide> contactSides(const std::vector<SessionPatch>& 
   return sides;
 }
 
-DerivedState::DerivedState(std::shared_ptr<ModelCache> cache) : cache_(std::move(cache)) {}
+DerivedState::DerivedState(std::shared_ptr<ModelCache> cache)
+    : cache_(std::move(cache)), near_(std::make_unique<optimize::NearLists>()) {}
 
 DerivedState::~DerivedState() = default;
 DerivedState::DerivedState(DerivedState&&) noexcept = default;

@@ -263,6 +263,7 @@ class DerivedState {
   std::shared_ptr<const placement::SkinFaces> skin_faces_;      ///< likewise
   std::map<std::string, std::vector<char>> links_of_;           ///< answers of linksOf
   mutable std::unique_ptr<const placement::Posture> posture_;   ///< likewise
+  std::unique_ptr<optimize::NearLists> near_;  ///< of the last solve, for the next one
   bool start_is_known_ = false;
   bool uses_drafts_ = false;  ///< while a search goes on
 };

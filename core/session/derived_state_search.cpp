@@ -252,6 +252,7 @@ Solution DerivedState::solveOnce(const SolverSettings& solving,
   if (solving.avoids()) placement::makeSolids(*models_.hand, models_.object_O, progress);
   const Search as_it_was(*this);
   SolveOptions options = solveOptions(solving);
+  options.near = near_.get();
   options.threads = run.threads;
   options.on_improvement = run.on_improvement;
   if (solving.paper || run.places_stay) {
@@ -292,6 +293,7 @@ Solution DerivedState::solveRoughly(const SolverSettings& solving, const Progres
   requirePoints();
   if (solving.avoids()) placement::makeSolids(*models_.hand, models_.object_O, progress);
   SolveOptions options = solveOptions(solving);
+  options.near = near_.get();
   options.least_promise = kDraftPromise;
   SolveReport report;
   searchAbout(report, solving, options, progress);

@@ -398,6 +398,30 @@ TEST(Avoidance, GoesOnFromWhatASearchWithoutTheChargeFound) {
   }
 }
 
+TEST(Avoidance, SaysTheSameByTheListsOfASolveBefore) {
+  std::mt19937 random(10);
+  NearLists near;
+  for (int k = 0; k < 4; ++k) {
+    // Lists of another place, and of another object, say nothing of these.
+    PoseProblem problem = drawnInside(random);
+    if (k == 2) near.source.object_O = nullptr;
+    for (int step = 0; step < 3; ++step) {
+      SolveOptions options;
+      options.starts = step == 0 ? 12 : 1;
+      const SolveReport alone = solve(problem, options, Progress());
+      options.near = &near;
+      const SolveReport after = solve(problem, options, Progress());
+      EXPECT_TRUE(after.pose.X_WH.matrix() == alone.pose.X_WH.matrix());
+      EXPECT_TRUE(after.pose.q == alone.pose.q);
+      EXPECT_EQ(after.terms.objective, alone.terms.objective);
+      EXPECT_EQ(after.evaluations, alone.evaluations);
+      EXPECT_EQ(near.source.object_O, problem.avoidance->object_O);
+      problem.start = after.pose;
+      problem.start.X_WH.translation() += 0.001 * test::randomUnit(random);
+    }
+  }
+}
+
 TEST(Avoidance, IsRefusedWithoutSense) {
   std::mt19937 random(8);
   PoseProblem problem = scene().problem(random);
