@@ -50,6 +50,46 @@ double contactAt(double depth, double deepest, const PoseContactOptions& options
       1e3 * nearest);
 }
 
+/// m; minus infinity where nothing is in reach.
+struct Depths {
+  Eigen::VectorXd of_vertices;   ///< in the part that is nearest
+  std::vector<double> of_parts;  ///< each one's deepest vertex
+};
+
+/// Labels each vertex of `map` with the part that it lies deepest in.
+Depths measureDepths(const std::vector<PartSurface>& parts,
+                     const std::vector<Pose>& X_OL,
+                     const std::vector<Pose>& X_LO,
+                     const PoseContactOptions& options,
+                     const Progress& progress,
+                     ContactMap& map) {
+  constexpr double kNowhere = -std::numeric_limits<double>::infinity();
+  std::vector<Eigen::Vector3d> centres_O;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    centres_O.push_back(X_OL[i] * parts[i].centre());
+  Depths depths{Eigen::VectorXd::Constant(map.mesh_O.vertexCount(), kNowhere),
+                std::vector<double>(parts.size(), kNowhere)};
+  for (int v = 0; v < map.mesh_O.vertexCount(); ++v) {
+    if (v % kBatch == 0) {
+      progress.report("measuring the contact",
+                      static_cast<double>(v) / map.mesh_O.vertexCount());
+      progress.checkpoint();
+    }
+    const Eigen::Vector3d p_O = map.mesh_O.vertex(v);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const double away = parts[i].radius() + options.reach_m;
+      if (!parts[i].hasFaces() || (p_O - centres_O[i]).squaredNorm() > away * away) continue;
+      const double d = parts[i].depth(X_LO[i] * p_O, options.reach_m);
+      if (!(d > -options.reach_m)) continue;
+      depths.of_parts[i] = std::max(depths.of_parts[i], d);
+      if (!(d > depths.of_vertices[v])) continue;
+      depths.of_vertices[v] = d;
+      map.label[static_cast<std::size_t>(v)] = static_cast<int>(i);
+    }
+  }
+  return depths;
+}
+
 }  // namespace
 
 PartSurface::PartSurface(std::string name, const TriangleMesh& mesh_L)
@@ -100,49 +140,28 @@ ContactMap contactsOnVertices(const TriangleMesh& mesh_O,
   validate(options);
   if (mesh_O.faceCount() == 0) rejectInput("the object has no face to be touched");
   ContactMap map;
-  bool any_face = false;
   std::vector<Pose> X_LO;
-  std::vector<Eigen::Vector3d> centres_O;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     map.segment_names.push_back(parts[i].name());
-    any_face = any_face || parts[i].hasFaces();
     X_LO.push_back(inverse(X_OL[i]));
-    centres_O.push_back(X_OL[i] * parts[i].centre_L());
   }
-  if (!any_face) rejectInput("the posed hand has no surface: none of its parts has a face");
+  if (std::none_of(parts.begin(), parts.end(), [](const PartSurface& part) {
+        return part.hasFaces();
+      }))
+    rejectInput("the posed hand has no surface: none of its parts has a face");
 
   map.mesh_O = mesh_O;
   map.value = Eigen::VectorXd::Zero(map.mesh_O.vertexCount());
   map.label.assign(static_cast<std::size_t>(map.mesh_O.vertexCount()), -1);
-  // === How deep each vertex lies in the part that is nearest to it, and each part at all
-  constexpr double kNowhere = -std::numeric_limits<double>::infinity();
-  Eigen::VectorXd depth = Eigen::VectorXd::Constant(map.mesh_O.vertexCount(), kNowhere);
-  std::vector<double> deepest(parts.size(), kNowhere);
-  for (int v = 0; v < map.mesh_O.vertexCount(); ++v) {
-    if (v % kBatch == 0) {
-      progress.report("measuring the contact",
-                      static_cast<double>(v) / map.mesh_O.vertexCount());
-      progress.checkpoint();
-    }
-    const Eigen::Vector3d p_O = map.mesh_O.vertex(v);
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      const double away = parts[i].radius() + options.reach_m;
-      if (!parts[i].hasFaces() || (p_O - centres_O[i]).squaredNorm() > away * away) continue;
-      const double d = parts[i].depth(X_LO[i] * p_O, options.reach_m);
-      if (!(d > -options.reach_m)) continue;
-      deepest[i] = std::max(deepest[i], d);
-      if (!(d > depth[v])) continue;
-      depth[v] = d;
-      map.label[static_cast<std::size_t>(v)] = static_cast<int>(i);
-    }
-  }
+  const Depths depths = measureDepths(parts, X_OL, X_LO, options, progress, map);
 
   // === What would touch if each part were drawn back to the surface
   bool any_contact = false;
   for (int v = 0; v < map.mesh_O.vertexCount(); ++v) {
     int& label = map.label[static_cast<std::size_t>(v)];
     if (label < 0) continue;
-    map.value[v] = contactAt(depth[v], deepest[static_cast<std::size_t>(label)], options);
+    map.value[v] = contactAt(depths.of_vertices[v],
+                             depths.of_parts[static_cast<std::size_t>(label)], options);
     if (map.value[v] <= 0.0) label = -1;
     any_contact = any_contact || map.value[v] > 0.0;
   }

@@ -31,8 +31,8 @@ class PartSurface {
 
   [[nodiscard]] bool hasFaces() const { return locator_.has_value(); }
 
-  /// A ball about all of it.
-  [[nodiscard]] Eigen::Vector3d centre_L() const { return box_L_.center(); }
+  /// A ball about all of it; the centre in L.
+  [[nodiscard]] Eigen::Vector3d centre() const { return box_L_.center(); }
 
   [[nodiscard]] double radius() const { return 0.5 * box_L_.diagonal().norm(); }
 

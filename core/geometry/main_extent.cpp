@@ -27,7 +27,7 @@ double diagonalOfMost(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& wei
     std::sort(order.begin(), order.end(), [&](int a, int b) {
       return points(axis, a) < points(axis, b);
     });
-    const auto endOf = [&](auto begin, auto end) {
+    const auto end_of = [&](auto begin, auto end) {
       double passed = 0.0;
       for (auto at = begin; at != end; ++at) {
         passed += weight[*at];
@@ -35,7 +35,7 @@ double diagonalOfMost(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& wei
       }
       return points(axis, *begin);
     };
-    extent[axis] = endOf(order.rbegin(), order.rend()) - endOf(order.begin(), order.end());
+    extent[axis] = end_of(order.rbegin(), order.rend()) - end_of(order.begin(), order.end());
   }
   return extent.norm();
 }

@@ -324,15 +324,15 @@ std::vector<int> rigidGroupOf(const HandModel& model, int link) {
 
 std::vector<int> palmBodyOf(const HandModel& model, int palm_link) {
   std::vector<int> body{palm_link};
-  const auto linkAt = [&](int link) -> const Link& {
+  const auto link_at = [&](int link) -> const Link& {
     return model.links()[static_cast<std::size_t>(link)];
   };
   // A palm with both looks and geometry to collide wears what is only to be seen.
   const bool wears =
-      !linkAt(palm_link).visuals.empty() && !linkAt(palm_link).collisions.empty();
+      !link_at(palm_link).visuals.empty() && !link_at(palm_link).collisions.empty();
   for (const int link : rigidGroupOf(model, palm_link)) {
     const bool is_worn =
-        wears && linkAt(link).collisions.empty() && !linkAt(link).visuals.empty();
+        wears && link_at(link).collisions.empty() && !link_at(link).visuals.empty();
     if (link != palm_link && !is_worn) body.push_back(link);
   }
   return body;

@@ -169,11 +169,15 @@ bool isFlatAround(const Skin& skin,
   });
 }
 
-std::optional<ContactSite> findPalm(const HandModel& model,
-                                    const Skin& skin,
-                                    const LinkPoses& X_SL,
-                                    const Digits& found,
-                                    const std::vector<std::string>& names) {
+/// Where digits say that the palm is, in S.
+struct PalmFrame {
+  Eigen::Vector3d bases;   ///< the middle of the digits' bases
+  Eigen::Vector3d facing;  ///< where they close to; a unit vector
+  Eigen::Vector3d wristwards;
+};
+
+std::optional<PalmFrame> palmFrameOf(const Digits& found,
+                                     const std::vector<std::string>& names) {
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();
   Eigen::Vector3d outward = Eigen::Vector3d::Zero();
   Eigen::Vector3d closing = Eigen::Vector3d::Zero();
@@ -209,7 +213,17 @@ std::optional<ContactSite> findPalm(const HandModel& model,
   wristwards -= wristwards.dot(facing) * facing;
   // Fingers all around the palm: towards the thumb, for want of a wrist.
   if (wristwards.norm() < 0.3) wristwards = thumb_base - bases;
+  return PalmFrame{bases, facing, wristwards};
+}
 
+std::optional<ContactSite> findPalm(const HandModel& model,
+                                    const Skin& skin,
+                                    const LinkPoses& X_SL,
+                                    const Digits& found,
+                                    const std::vector<std::string>& names) {
+  const auto frame = palmFrameOf(found, names);
+  if (!frame) return std::nullopt;
+  const auto& [bases, facing, wristwards] = *frame;
   const std::vector<int> links = palmBodyOf(model, found.palm_link);
   const Eigen::AlignedBox3d box = boxAround(model, X_SL, links);
   if (box.isEmpty()) return std::nullopt;
