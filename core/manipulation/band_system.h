@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 namespace handgraft::manipulation {
@@ -33,7 +32,10 @@ struct BandSystem {
 };
 
 /// Solves such systems by a block Cholesky factorisation, and keeps its scratch memory.
-/// Cost: about 6 dofs^3 multiplications a frame, and memory for 3 blocks of dofs^2; both linear
+///
+/// A frame's columns of L are one panel: its own block, the next frame's, that of the one after
+/// next, one below the other, each padded to a multiple of four.
+/// Cost: about 3 dofs^3 multiplications a frame, and memory for 3 blocks of dofs^2; both linear
 /// in the frames.
 class BandCholesky {
  public:
@@ -41,10 +43,7 @@ class BandCholesky {
   [[nodiscard]] bool solve(const BandSystem& system, std::vector<Eigen::VectorXd>& solution);
 
  private:
-  std::vector<Eigen::LLT<Eigen::MatrixXd>> factors_;
-  std::vector<Eigen::MatrixXd> by_next_;        ///< L_{k+1,k}
-  std::vector<Eigen::MatrixXd> by_after_next_;  ///< L_{k+2,k}
-  Eigen::MatrixXd block_;
+  std::vector<double> panels_;  ///< by columns
 };
 
 }  // namespace handgraft::manipulation

@@ -443,7 +443,8 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   }
 
   // === The pose
-  if (!last_O_) {
+  const bool begins = !last_O_;
+  if (begins) {
     for (std::size_t i = 0; i < parts_.size(); ++i)
       parts_[i].presence = is_there[i];
     if (!begin(posture, progress)) return std::nullopt;
@@ -456,7 +457,8 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   if (!paused) lookAnew(time_s, step_s, posture, progress);
   // Of frames that are far apart in several steps: places follow the hand, and it them.
   const int steps =
-      paused ? 1 : std::max(1, static_cast<int>(std::ceil(step_s / kLongestStep - 1e-6)));
+      paused || begins ? 1
+                       : std::max(1, static_cast<int>(std::ceil(step_s / kLongestStep - 1e-6)));
   manipulation::CausalSolver::Step step;
   for (int i = steps - 1; i >= 0; --i) {
     const double now_s = time_s - i * step_s / steps;

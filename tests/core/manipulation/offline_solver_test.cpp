@@ -56,55 +56,59 @@ std::vector<hand::HandPose> moved(const std::vector<hand::HandPose>& poses,
   return result;
 }
 
-TEST(BandSystem, SolvesAsADenseOneDoes) {
+/// As many degrees of freedom a frame as its columns are padded to, and fewer.
+class BandSystemOf : public ::testing::TestWithParam<int> {};
+
+TEST_P(BandSystemOf, SolvesAsADenseOneDoes) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   constexpr int kFrames = 6;
-  constexpr int kDofs = 5;
-  BandSystem system(kFrames, kDofs);
-  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(kFrames * kDofs, kFrames * kDofs);
-  Eigen::VectorXd right(kFrames * kDofs);
+  const int dofs = GetParam();
+  BandSystem system(kFrames, dofs);
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(kFrames * dofs, kFrames * dofs);
+  Eigen::VectorXd right(kFrames * dofs);
   const auto fill = [&](Coupling& coupling) {
     coupling.turn = Eigen::Matrix3d::NullaryExpr([&] {
       return normal(random);
     });
-    coupling.others = Eigen::VectorXd::NullaryExpr(kDofs - 3, [&] {
+    coupling.others = Eigen::VectorXd::NullaryExpr(dofs - 3, [&] {
       return normal(random);
     });
-    Eigen::MatrixXd block = Eigen::MatrixXd::Zero(kDofs, kDofs);
+    Eigen::MatrixXd block = Eigen::MatrixXd::Zero(dofs, dofs);
     block.topLeftCorner<3, 3>() = coupling.turn;
-    block.diagonal().tail(kDofs - 3) = coupling.others;
+    block.diagonal().tail(dofs - 3) = coupling.others;
     return block;
   };
   for (int k = 0; k < kFrames; ++k) {
     const auto index = static_cast<std::size_t>(k);
-    const Eigen::MatrixXd A = Eigen::MatrixXd::NullaryExpr(kDofs, kDofs, [&] {
+    const Eigen::MatrixXd A = Eigen::MatrixXd::NullaryExpr(dofs, dofs, [&] {
       return normal(random);
     });
-    system.own[index] = A * A.transpose() + 20.0 * Eigen::MatrixXd::Identity(kDofs, kDofs);
-    dense.block(k * kDofs, k * kDofs, kDofs, kDofs) = system.own[index];
-    system.right[index] = Eigen::VectorXd::NullaryExpr(kDofs, [&] {
+    system.own[index] = A * A.transpose() + 30.0 * Eigen::MatrixXd::Identity(dofs, dofs);
+    dense.block(k * dofs, k * dofs, dofs, dofs) = system.own[index];
+    system.right[index] = Eigen::VectorXd::NullaryExpr(dofs, [&] {
       return normal(random);
     });
-    right.segment(k * kDofs, kDofs) = system.right[index];
+    right.segment(k * dofs, dofs) = system.right[index];
     for (const int ahead : {1, 2}) {
       if (k + ahead >= kFrames) continue;
       const Eigen::MatrixXd block = fill((ahead == 1 ? system.next : system.after_next)[index]);
-      dense.block((k + ahead) * kDofs, k * kDofs, kDofs, kDofs) = block;
-      dense.block(k * kDofs, (k + ahead) * kDofs, kDofs, kDofs) = block.transpose();
+      dense.block((k + ahead) * dofs, k * dofs, dofs, dofs) = block;
+      dense.block(k * dofs, (k + ahead) * dofs, dofs, dofs) = block.transpose();
     }
   }
   std::vector<Eigen::VectorXd> solution;
   ASSERT_TRUE(BandCholesky().solve(system, solution));
   const Eigen::VectorXd expected = dense.ldlt().solve(right);
   for (int k = 0; k < kFrames; ++k)
-    EXPECT_LT(
-        (solution[static_cast<std::size_t>(k)] - expected.segment(k * kDofs, kDofs)).norm(),
-        1e-10)
+    EXPECT_LT((solution[static_cast<std::size_t>(k)] - expected.segment(k * dofs, dofs)).norm(),
+              1e-10)
         << k;
-  system.own[3] -= 100.0 * Eigen::MatrixXd::Identity(kDofs, kDofs);
+  system.own[3] -= 300.0 * Eigen::MatrixXd::Identity(dofs, dofs);
   EXPECT_FALSE(BandCholesky().solve(system, solution));
 }
+
+INSTANTIATE_TEST_SUITE_P(DofsOfAFrame, BandSystemOf, ::testing::Values(4, 5, 7, 8, 22, 30));
 
 TEST(MotionObjective, GradientMatchesCentralDifferences) {
   Scene scene;
