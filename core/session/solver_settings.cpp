@@ -24,6 +24,12 @@ void validate(const SolverSettings& solving) {
   }
 }
 
+SolverSettings afterEdit(SolverSettings solving) {
+  if (solving.starts == optimize::kDefaultStarts && !solving.paper)
+    solving.starts = kStartsAfterEdit;
+  return solving;
+}
+
 optimize::SolveOptions solveOptions(const SolverSettings& solving) {
   validate(solving);
   optimize::SolveOptions options;

@@ -28,6 +28,12 @@ struct SolverSettings {
   friend bool operator==(const SolverSettings&, const SolverSettings&) = default;
 };
 
+/// Of what follows an edit: where the hand is, and its joints under the closed form.
+inline constexpr int kStartsAfterEdit = 2;
+
+/// What answers an edit of a pose that is known: so few starts, unless somebody said how many.
+SolverSettings afterEdit(SolverSettings solving);
+
 /// Errors: InvalidInput naming the number that is out of range, or the solver or starts that
 /// `paper` leaves no room for.
 void validate(const SolverSettings& solving);

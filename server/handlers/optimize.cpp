@@ -29,7 +29,6 @@ constexpr std::chrono::microseconds kSolutionPeriod(1000);  // of poses on the w
 // Solves that end sooner show their answer alone: nobody sees poses of less than a frame, and
 // each costs both sides a message.
 constexpr std::chrono::milliseconds kQuietStart(5);
-constexpr int kStartsAfterEdit = 2;  // where the hand is, and its joints under the closed form
 
 v1::StageTime stageTime(const char* stage, double duration_ms) {
   v1::StageTime time;
@@ -256,12 +255,10 @@ SolveEnd solveAsItStands(LiveSession& live, HandlerContext& context, const Progr
   // for it is no answer, and must not be: a bridge would go there, out of the motion.
   if (followsEdits(live)) return SolveEnd::kDone;
   const auto solve_from_there = [&] {
-    session::SolverSettings solving = session.document().solving;
+    const session::SolverSettings& solving = session.document().solving;
     const bool follows = session.document().start_is_known;
-    if (follows && solving.starts == optimize::kDefaultStarts && !solving.paper) {
-      solving.starts = kStartsAfterEdit;
-    }
-    return solve(live, solving, follows, context, progress);
+    return solve(live, follows ? session::afterEdit(solving) : solving, follows, context,
+                 progress);
   };
   const SolveEnd end =
       session.needsSolve() ? solve_from_there() : publishCurrentSolution(live, progress);

@@ -32,7 +32,6 @@ constexpr double kTurn = 0.25;        // rad, of a finger's joints either way
 constexpr double kLeast = 0.003;      // m; of a drag
 constexpr double kClearance = 0.003;  // m; of the pad's place from the object: it is pulled off
 constexpr double kHeld = 0.002;       // m; off its target at most
-constexpr int kStartsAfterEdit = 2;   // as the server's (handlers/optimize.cpp)
 constexpr int kTriesForATarget = 200;
 
 struct Arguments {
@@ -93,20 +92,20 @@ class Dragging {
     Drag drag;
     drag.way_m = (*target_W - before_W).norm();
     session_.apply(session::DragEdit{tip.link, tip.p_L, *target_W});
-    const optimize::SolveReport dragged = answered(session_, kStartsAfterEdit);
+    const optimize::SolveReport dragged = answered(session_, session::kStartsAfterEdit);
     drag.off_m = (placeOf(tip, dragged.pose) - *target_W).norm();
     drag.lost_mm = lostBy(dragged, tip.link);
 
     const session::SessionPatch& other = otherPatch(tip.link);
     session_.apply(session::PatchWeightEdit{other.patch.name, 2.0});
-    answered(session_, kStartsAfterEdit);
+    answered(session_, session::kStartsAfterEdit);
     const hand::Joint& joint = model.dofJoint(0);
     session_.apply(session::JointLockEdit{joint.name, true});
-    answered(session_, kStartsAfterEdit);
+    answered(session_, session::kStartsAfterEdit);
     Pose X_WO = session_.objectPose();
     X_WO.translation() += 0.002 * randomUnit(random_);
     session_.apply(session::ObjectPoseEdit{X_WO});
-    const optimize::SolveReport last = answered(session_, kStartsAfterEdit);
+    const optimize::SolveReport last = answered(session_, session::kStartsAfterEdit);
     drag.off_later_m = (placeOf(tip, last.pose) - *target_W).norm();
 
     session_.apply(session::UndoEdit{static_cast<int>(session_.revision() - begun)});
