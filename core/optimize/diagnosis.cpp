@@ -302,44 +302,6 @@ std::vector<int> missedPatches(const PoseProblem& problem,
   return missed;
 }
 
-namespace {
-
-/// The patch without which a search from the pose reaches more patches than are reached now.
-PatchLeftOut leftOut(const PoseProblem& problem,
-                     const SolveReport& report,
-                     const std::vector<double>& weights,
-                     const DiagnosisOptions& options,
-                     const Progress& progress) {
-  constexpr int kFewestMissed = 2;
-  constexpr int kMostPatches = 12;
-  PatchLeftOut best;
-  const auto asked =
-      static_cast<int>(std::count_if(weights.begin(), weights.end(), [](double weight) {
-        return weight > 0.0;
-      }));
-  const auto missed = static_cast<int>(missedPatches(problem, report, options).size());
-  if (missed < kFewestMissed || asked > kMostPatches) return best;
-  best.reached = asked - missed;
-  for (std::size_t k = 0; k < report.patches.size(); ++k) {
-    if (!(weights[k] > 0.0)) continue;
-    progress.checkpoint();
-    const int patch = report.patches[k].patch;
-    PoseProblem others = problem;
-    std::erase_if(others.pairs, [patch](const PointPair& pair) {
-      return pair.patch == patch;
-    });
-    SolveReport then;
-    then.pose = Relaxer(others).searchFrom(report.pose, kLongSearch, 0.0).first;
-    then.patches = fitPatches(others, then.pose);
-    const int reached =
-        asked - 1 - static_cast<int>(missedPatches(others, then, options).size());
-    if (reached > best.reached) best = {patch, reached, asked - 1};
-  }
-  return best;
-}
-
-}  // namespace
-
 Diagnosis diagnose(const PoseProblem& problem,
                    const SolveReport& report,
                    const DiagnosisOptions& options,
@@ -392,7 +354,6 @@ Diagnosis diagnose(const PoseProblem& problem,
     }
     diagnosis.patches.push_back(std::move(one));
   }
-  diagnosis.left_out = leftOut(problem, report, weights, options, progress);
   return diagnosis;
 }
 

@@ -64,18 +64,9 @@ struct PatchDiagnosis {
   std::vector<LimitSensitivity> sensitivities;
 };
 
-/// What it would bring the others to leave one patch out.
-struct PatchLeftOut {
-  int patch = -1;   ///< -1: none is worth it
-  int reached = 0;  ///< of the others, then
-  int others = 0;
-};
-
 struct Diagnosis {
   std::vector<PatchDiagnosis> patches;          ///< in the order of the report's
   std::vector<LimitSensitivity> sensitivities;  ///< largest gain first; at most eight
-  /// Where several patches are missed: the one without which more are reached than now.
-  PatchLeftOut left_out;
 };
 
 /// Says why each patch is where it is.
@@ -84,14 +75,11 @@ struct Diagnosis {
 /// pose with that limit alone moved out by a step. Multiplier and curvature alone promise
 /// too much or too little (other limits come into the way, or lose their hold). A patch that is
 /// not reached is at its limits if a search with all active limits moved out by five steps
-/// takes away half of its miss; else it is out of reach. Where two and more are missed, a
-/// search from the pose without each one patch shows which of them keeps the others away. The
-/// pose stays what it is.
+/// takes away half of its miss; else it is out of reach. The pose stays what it is.
 ///
 /// Errors: BrokenContract unless the report is the problem's and has been judged. Cancelled on
 /// wish, within one of those searches.
-/// Cost: 20 us a limit that pushes, 50 us a patch that is not reached; where two and more are,
-/// as much as so many short searches of the problem as there are patches.
+/// Cost: 20 us a limit that pushes, 50 us a patch that is not reached.
 Diagnosis diagnose(const PoseProblem& problem,
                    const SolveReport& report,
                    const DiagnosisOptions& options = {},

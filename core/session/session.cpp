@@ -161,11 +161,10 @@ std::vector<Difference> Session::compare(const std::string& a,
     Judged result;
     result.document = name.empty() ? &document() : &history_.snapshot(name).document;
     result.joints = cache_->hand(result.document->hand, progress).model->dofNames();
-    // Beside the session's own, whose charts stay for what is edited next.
-    DerivedState aside(cache_);
-    aside.follow(*result.document, progress);
+    DerivedState derived = aside();
+    derived.follow(*result.document, progress);
     try {
-      result.solution = aside.judge(progress);
+      result.solution = derived.judge(progress);
     } catch (const InvalidInput&) {
       // No patch has a point: there is no fit to compare.
     }

@@ -188,6 +188,10 @@ class Session {
     return derived_.models().object_O;
   }
 
+  /// What follows from documents, beside the session's own, whose charts stay for what is
+  /// edited next.
+  [[nodiscard]] DerivedState aside() const { return DerivedState(cache_); }
+
   /// Shared, for fingerprints and swaps.
   [[nodiscard]] ModelCache& cache() { return *cache_; }
 

@@ -141,6 +141,14 @@ std::vector<std::string> patchesWithoutPoints(const session::Session& session,
   return names;
 }
 
+/// Not reached whatever the pose says.
+std::vector<int> withoutClearance(const FitFindings& findings) {
+  std::vector<int> patches;
+  for (const MissingClearance& clearance : findings.clearances)
+    patches.push_back(clearance.patch);
+  return patches;
+}
+
 /// Less of a patch's points than this is no account of it.
 constexpr double kFewPoints = 0.25;
 
@@ -259,8 +267,10 @@ Verdicts verdictsOf(const session::Session& session,
     if (patch.verdict != Verdict::kNone) ++asked;
     if (patch.verdict == Verdict::kReached) ++reached;
   }
+  verdicts.in_the_way =
+      session::patchInTheWay(session, problem, report, withoutClearance(findings), 1, progress);
   std::string without;
-  if (const optimize::PatchLeftOut& one = verdicts.diagnosis.left_out; one.patch >= 0) {
+  if (const session::PatchInTheWay& one = verdicts.in_the_way; one.patch >= 0) {
     // What follows an edit is a short search, which may not come as far.
     without = fmt::format("; solved without {} {} of {} would be",
                           nameOfPatch(session, one.patch), one.reached, one.others);

@@ -133,26 +133,6 @@ TEST(Diagnosis, CountsThePatchesThatAreMissed) {
   EXPECT_EQ(missed_of(both), 0) << "without a weight nobody asks for it";
 }
 
-TEST(Diagnosis, TellsWhichPatchKeepsTheOthersAway) {
-  // Of three on one arm two are at the same angle, and the third holds it in between.
-  PoseProblem three = armAgainst(0.2, kArm);
-  three.pairs.push_back(three.pairs[0]);
-  three.pairs.push_back(armAgainst(0.5, kArm).pairs[0]);
-  three.pairs[1].patch = 4;
-  three.pairs[2].patch = 5;
-  three.pairs[2].weight = 2.0;
-  const PatchLeftOut left_out = diagnosed(three).left_out;
-  EXPECT_EQ(left_out.patch, 5);
-  EXPECT_EQ(left_out.reached, 2);
-  EXPECT_EQ(left_out.others, 2);
-
-  three.pairs[2].weight = 1e3;  // reached now, for two that would be
-  EXPECT_EQ(diagnosed(three).left_out.patch, 5);
-  three.pairs[1].weight = 0.0;  // one for one is no gain
-  EXPECT_EQ(diagnosed(three).left_out.patch, -1);
-  EXPECT_EQ(diagnosed(armAgainst(0.2, kArm + 0.02)).left_out.patch, -1) << "one alone";
-}
-
 TEST(Diagnosis, CallsABentPatchOnARoundFingerReached) {
   PoseProblem problem = armAgainst(0.2, kArm);
   const PointPair middle = problem.pairs[0];
