@@ -119,6 +119,22 @@ void judge(Trials& trials, std::vector<Way>& ways, bool until_all, const Solve& 
   });
 }
 
+std::vector<Way> waysOf(const std::vector<Document>& laid) {
+  std::vector<Way> ways;
+  for (const Document& document : laid)
+    ways.push_back({ways.size(), &document, {}, false});
+  return ways;
+}
+
+void judgeShortly(Trials& trials, std::vector<Way>& ways, const Progress& progress) {
+  SolverSettings solving = ways.front().document->solving;
+  solving.starts = kShortStarts;
+  judge(trials, ways, false, [&](DerivedState& derived, const Document& document) {
+    derived.follow(document, progress);
+    return derived.solveRoughly(solving, progress);
+  });
+}
+
 }  // namespace
 
 std::size_t bestWay(const Models& models,
@@ -127,18 +143,11 @@ std::size_t bestWay(const Models& models,
                     const Progress& progress) {
   HANDGRAFT_REQUIRE(!laid.empty());
   if (laid.size() == 1) return 0;
-  std::vector<Way> ways;
-  for (const Document& document : laid)
-    ways.push_back({ways.size(), &document, {}, false});
+  std::vector<Way> ways = waysOf(laid);
   Trials trials(models, laid.front());
-  SolverSettings solving = laid.front().solving;
-  solving.starts = kShortStarts;
-  judge(trials, ways, false, [&](DerivedState& derived, const Document& document) {
-    derived.follow(document, progress);
-    return derived.solveRoughly(solving, progress);
-  });
+  judgeShortly(trials, ways, progress);
   if (ways.front().reaches_all) return ways.front().index;
-  solving = laid.front().solving;
+  const SolverSettings& solving = laid.front().solving;
   judge(trials, ways, until_all, [&](DerivedState& derived, const Document& document) {
     derived.follow(document, progress);
     return derived.solve(solving, {}, progress);
@@ -150,9 +159,7 @@ std::size_t bestSolvedWay(const Models& models,
                           const std::vector<Document>& laid,
                           const Progress& progress) {
   HANDGRAFT_REQUIRE(!laid.empty());
-  std::vector<Way> ways;
-  for (const Document& document : laid)
-    ways.push_back({ways.size(), &document, {}, false});
+  std::vector<Way> ways = waysOf(laid);
   Trials trials(models, laid.front());
   const SolverSettings& solving = laid.front().solving;
   judge(trials, ways, false, [&](DerivedState& derived, const Document& document) {
@@ -160,6 +167,30 @@ std::size_t bestSolvedWay(const Models& models,
     return derived.solve(solving, {}, progress);
   });
   return ways.front().index;
+}
+
+std::vector<std::size_t> likelyWays(const Models& models,
+                                    const std::vector<Document>& laid,
+                                    std::size_t most,
+                                    const Progress& progress) {
+  HANDGRAFT_REQUIRE(!laid.empty());
+  std::vector<Way> ways = waysOf(laid);
+  Trials trials(models, laid.front());
+  judgeShortly(trials, ways, progress);
+  std::vector<std::size_t> likely;
+  for (const Way& way : ways)
+    if (likely.size() < most) likely.push_back(way.index);
+  return likely;
+}
+
+std::ptrdiff_t missedByShortSearch(const Models& models,
+                                   const Document& laid,
+                                   const Progress& progress) {
+  std::vector<Way> ways{{0, &laid, {}, false}};
+  Trials trials(models, laid);
+  judgeShortly(trials, ways, progress);
+  const auto [lacking, dropped, objective] = ways.front().lack;
+  return lacking - dropped;
 }
 
 }  // namespace handgraft::session

@@ -28,4 +28,16 @@ std::size_t bestSolvedWay(const Models& models,
                           const std::vector<Document>& laid,
                           const Progress& progress);
 
+/// The best of them by short searches alone, best first, `most` at most. To leave ways out that
+/// are not worth a full one.
+std::vector<std::size_t> likelyWays(const Models& models,
+                                    const std::vector<Document>& laid,
+                                    std::size_t most,
+                                    const Progress& progress);
+
+/// Patches that are laid and that a short search misses.
+std::ptrdiff_t missedByShortSearch(const Models& models,
+                                   const Document& laid,
+                                   const Progress& progress);
+
 }  // namespace handgraft::session

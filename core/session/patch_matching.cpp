@@ -14,6 +14,7 @@
 #include "core/placement/hand_pose_guess.h"
 #include "core/placement/site_assignment.h"
 #include "core/session/best_way.h"
+#include "core/session/leave_out.h"
 #include "core/session/patch_names.h"
 #include "core/session/place_matching.h"
 
@@ -165,8 +166,11 @@ void noteTheOtherSide(const Models& models, hand::Chirality of_hand, Document& d
 }  // namespace
 
 void matchPatches(const Models& models, Document& document, const Progress& progress) {
-  for (DocumentPatch& patch : document.patches)
+  std::vector<char> may_go;
+  for (DocumentPatch& patch : document.patches) {
     if (!patch.placement) patch.dropped.clear();
+    may_go.push_back(patch.placement ? 0 : 1);
+  }
   const auto coordinates = hand::coordinatesOf(*models.hand);
   noteTheOtherSide(models, sideOf(coordinates->anatomy()), document);
   const PlacesOfPatches places = placesIn(models, *coordinates, document);
@@ -186,6 +190,7 @@ void matchPatches(const Models& models, Document& document, const Progress& prog
         "contact set {}: none of its patches ({}) has a site on the hand; its sites are {}",
         quoted(document.contacts), fmt::join(names, ", "), namesOf(models.hand->sites));
   }
+  leaveOutWhatKeepsOthersOff(models, may_go, document, progress);
   const auto laid = std::ranges::count_if(document.patches, is_placed);
   if (models.hand->sites.empty() && laid < std::ssize(document.patches)) {
     document.notes.push_back(

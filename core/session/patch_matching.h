@@ -10,7 +10,8 @@ namespace handgraft::session {
 /// The document that a session begins with: every patch on its site, the hand at rest.
 ///
 /// Errors: InvalidInput as Session's constructor. Cost: some milliseconds; of patches without
-/// fingers' names as assignSites.
+/// fingers' names as assignSites;
+/// where the hand cannot have all of them, as leaveOutWhatKeepsOthersOff.
 Document firstDocument(ModelCache& cache,
                        const Pose& X_WO,
                        const optimize::Weights& weights,
@@ -18,7 +19,8 @@ Document firstDocument(ModelCache& cache,
                        const Progress& progress);
 
 /// Lays the patches that have no place onto the hand's sites: by name, then by geometry where a
-/// patch or a site has no finger's name. Adds notes, and says why a patch is dropped.
+/// patch or a site has no finger's name. What keeps the hand off others goes again
+/// (leave_out.h). Adds notes, and says why a patch is dropped.
 /// Errors: InvalidInput if no patch of the document has a place then.
 void matchPatches(const Models& models, Document& document, const Progress& progress);
 

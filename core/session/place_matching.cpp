@@ -11,7 +11,6 @@
 
 #include "core/geometry/tangent.h"
 #include "core/hand/hand_parts.h"
-#include "core/session/best_way.h"
 #include "core/session/dealing.h"
 #include "core/session/patch_names.h"
 
@@ -67,31 +66,6 @@ bool areNeighbours(const hand::NamedDigit& digit, const std::string& a, const st
   };
   if (rank(a) == std::ssize(digit.segments)) return true;  // the digit alone is known
   return std::abs(rank(a) - rank(b)) <= 1;
-}
-
-bool isOnPalm(const DocumentPatch& patch) {
-  const auto place = hand::placeNamed(patch.site);
-  return patch.placement && place && place->digit == hand::kPalmPart;
-}
-
-/// A palm that keeps the fingers off what they would reach is left out: of the lemon that all
-/// of a human hand holds a claw reached one patch of four, and three of three without the palm.
-void leavePalmOut(const Models& models, Document& document, const Progress& progress) {
-  Document without = document;
-  std::ptrdiff_t others = 0;
-  for (DocumentPatch& patch : without.patches) {
-    if (isOnPalm(patch)) {
-      patch.placement.reset();
-      patch.dropped = fmt::format(
-          "without {} the hand reaches more of the others (a root on the hand brings it back)",
-          quoted(patch.name));
-    } else if (patch.placement) {
-      ++others;
-    }
-  }
-  if (without == document || others < 2) return;
-  // The palm itself is lacking then, so that no fewer are reached in all.
-  if (bestSolvedWay(models, {document, without}, progress) == 1) document = std::move(without);
 }
 
 }  // namespace
@@ -178,7 +152,6 @@ void matchByPlace(const Models& models,
     return;
   layDealt(models, coordinates, places,
            dealFingers(models, coordinates, places, document, progress), document);
-  if (models.frames.empty()) leavePalmOut(models, document, progress);
 }
 
 std::vector<char> linksOfSite(const hand::Hand& hand,

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/session/document.h"
+#include "core/session/models.h"
+
+namespace handgraft::session {
+
+/// Leaves out patches that keep the hand off others: the palm's, or one of a finger's, without
+/// which a full solve lacks fewer patches in all, what is left out counted as lacking; then
+/// once more. So no fewer are reached, and no thumb is left without a patch. It is told as
+/// their reason and among the notes; a root on the hand brings a patch back.
+///
+/// `may_go`: a flag a patch; what somebody laid himself stays. Nothing of motions.
+/// Deterministic. Errors: Cancelled on wish. Cost: a short search where at most one patch is
+/// missed, some 20 ms; else that of each patch, and five solves a round.
+void leaveOutWhatKeepsOthersOff(const Models& models,
+                                const std::vector<char>& may_go,
+                                Document& document,
+                                const Progress& progress);
+
+}  // namespace handgraft::session
