@@ -135,6 +135,16 @@ void judgeShortly(Trials& trials, std::vector<Way>& ways, const Progress& progre
   });
 }
 
+void judgeInFull(Trials& trials,
+                 std::vector<Way>& ways,
+                 bool until_all,
+                 const Progress& progress) {
+  judge(trials, ways, until_all, [&](DerivedState& derived, const Document& document) {
+    derived.follow(document, progress);
+    return derived.solve(document.solving, {}, progress);
+  });
+}
+
 }  // namespace
 
 std::size_t bestWay(const Models& models,
@@ -147,11 +157,7 @@ std::size_t bestWay(const Models& models,
   Trials trials(models, laid.front());
   judgeShortly(trials, ways, progress);
   if (ways.front().reaches_all) return ways.front().index;
-  const SolverSettings& solving = laid.front().solving;
-  judge(trials, ways, until_all, [&](DerivedState& derived, const Document& document) {
-    derived.follow(document, progress);
-    return derived.solve(solving, {}, progress);
-  });
+  judgeInFull(trials, ways, until_all, progress);
   return ways.front().index;
 }
 
@@ -161,11 +167,7 @@ std::size_t bestSolvedWay(const Models& models,
   HANDGRAFT_REQUIRE(!laid.empty());
   std::vector<Way> ways = waysOf(laid);
   Trials trials(models, laid.front());
-  const SolverSettings& solving = laid.front().solving;
-  judge(trials, ways, false, [&](DerivedState& derived, const Document& document) {
-    derived.follow(document, progress);
-    return derived.solve(solving, {}, progress);
-  });
+  judgeInFull(trials, ways, false, progress);
   return ways.front().index;
 }
 
