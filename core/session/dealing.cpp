@@ -163,6 +163,7 @@ int neighboursServed(const hand::Anatomy& anatomy,
 Dealing dealFingers(const Models& models,
                     const hand::FingerCoordinates& coordinates,
                     const PlacesOfPatches& places,
+                    WayTrials& trials,
                     Document& document,
                     const Progress& progress) {
   const hand::Anatomy& anatomy = coordinates.anatomy();
@@ -181,8 +182,8 @@ Dealing dealFingers(const Models& models,
   if (missing.empty() && !is_claw) return same;
   const std::vector<Dealing> ways = waysToDeal(anatomy, touching);
   const bool has_choice = ways.size() > 1;
-  const Dealing best = ways[bestWay(models, laidBy(models, coordinates, places, ways, document),
-                                    false, progress)];
+  const Dealing best =
+      ways[trials.best(laidBy(models, coordinates, places, ways, document), false, progress)];
   for (const auto& [from, to] : best) {
     if (from == to) continue;
     std::string why;

@@ -12,6 +12,8 @@
 
 namespace handgraft::session {
 
+class WayTrials;
+
 /// The demonstrator's digits, each on one of this hand's; what is missing goes without.
 using Dealing = std::map<std::string, std::string>;
 
@@ -54,6 +56,7 @@ using PlacesOfPatches = std::vector<std::optional<hand::HandLocation>>;
 Dealing dealFingers(const Models& models,
                     const hand::FingerCoordinates& coordinates,
                     const PlacesOfPatches& places,
+                    WayTrials& trials,
                     Document& document,
                     const Progress& progress);
 

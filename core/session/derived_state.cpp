@@ -131,6 +131,12 @@ void DerivedState::follow(const Document& document, const Progress& progress) {
     followPatch(i, document.patches[i], keeps_found);
   }
   document_ = document;
+  if (expected_ != nullptr && expected_for_ != foundBy(document_)) expected_.reset();
+}
+
+void DerivedState::expect(std::shared_ptr<const Solution> solution) {
+  expected_ = std::move(solution);
+  expected_for_ = foundBy(document_);
 }
 
 void DerivedState::followPatch(std::size_t index,

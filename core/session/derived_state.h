@@ -96,6 +96,10 @@ class DerivedState {
   /// Errors: InvalidInput if a model cannot be found; then it works on what it did.
   void follow(const Document& document, const Progress& progress);
 
+  /// What `solve` of the document that is followed comes to by the solution's settings, found
+  /// elsewhere: it is given, not searched for, until another document is followed.
+  void expect(std::shared_ptr<const Solution> solution);
+
   /// Takes patches that were laid for the document that is followed.
   void adopt(std::vector<SessionPatch> patches);
 
@@ -255,8 +259,10 @@ class DerivedState {
   Document document_;
   transfer::Surfaces surfaces_;
   std::vector<SessionPatch> patches_;
-  std::vector<SessionPatch> spares_;  ///< as last laid about other roots
-  hand::HandPose start_;              ///< the document's, or one that was found
+  std::vector<SessionPatch> spares_;          ///< as last laid about other roots
+  hand::HandPose start_;                      ///< the document's, or one that was found
+  std::shared_ptr<const Solution> expected_;  ///< null: `solve` has to search
+  std::string expected_for_;                  ///< the document that it answers, as bytes
   std::string found_for_;  ///< what the found directions and start depend on, as bytes
   std::unique_ptr<placement::HandPoseGuesser> placer_;          ///< made when first needed
   std::shared_ptr<const hand::FingerCoordinates> coordinates_;  ///< likewise

@@ -229,6 +229,13 @@ Solution DerivedState::solve(const SolverSettings& solving,
                              const SolveRun& run,
                              const Progress& progress) {
   validate(solving);
+  if (expected_ != nullptr && !run.places_stay && expected_->solving == solving) {
+    transfer(progress);
+    Solution known = *expected_;
+    known.document.notes = document_.notes;
+    known.document.solving = document_.solving;
+    return known;
+  }
   if (solving.paper || run.places_stay || solving.starts <= optimize::kDefaultStarts)
     return solveOnce(solving, run, progress);
   // Other starts lead to other slides of roots, and those may end worse: who asks for more gets
@@ -289,6 +296,9 @@ Solution DerivedState::solveRoughly(const SolverSettings& solving, const Progres
   validate(solving);
   const Search as_it_was(*this);
   const Drafts drafts(*this);
+  // What a full solve laid before is no draft: the answer would depend on it.
+  for (SessionPatch& item : patches_)
+    item.up_to_date = item.up_to_date && item.transferred.is_draft;
   transfer(progress);
   requirePoints();
   if (solving.avoids()) placement::makeSolids(*models_.hand, models_.object_O, progress);

@@ -70,50 +70,51 @@ Document without(const Group& group, Document document) {
 }
 
 /// Leaves out the group without which the document lacks least, if that is less than with it.
-bool leaveOneOut(const Models& models,
-                 const std::vector<Group>& groups,
+bool leaveOneOut(const std::vector<Group>& groups,
                  std::ptrdiff_t fewest_left,
                  const std::vector<char>& may_go,
+                 WayTrials& trials,
                  Document& document,
                  const Progress& progress) {
+  const std::ptrdiff_t missed = trials.missedBySearch(document, progress);
   std::vector<Document> shortened;
   for (const Group& group : groups) {
     const bool may_all = std::all_of(group.begin(), group.end(), [&](std::size_t i) {
       return may_go[i] != 0;
     });
-    if (group.empty() || !may_all) continue;
+    // What goes is lacking: as many as are missed bring nothing.
+    if (group.empty() || std::ssize(group) >= missed || !may_all) continue;
     Document one = without(group, document);
     if (laidIn(one) >= fewest_left) shortened.push_back(std::move(one));
   }
   if (shortened.empty()) return false;
   std::vector<Document> ways{document};
-  for (const std::size_t way : likelyWays(models, shortened, kMostTried, progress))
+  for (const std::size_t way : trials.likely(shortened, kMostTried, progress))
     ways.push_back(std::move(shortened[way]));
-  const std::size_t best = bestSolvedWay(models, ways, progress);
+  const std::size_t best = trials.bestSolved(ways, progress);
   document = std::move(ways[best]);
   return best > 0;
 }
 
 }  // namespace
 
-void leaveOutWhatKeepsOthersOff(const Models& models,
-                                const std::vector<char>& may_go,
+void leaveOutWhatKeepsOthersOff(const std::vector<char>& may_go,
+                                WayTrials& trials,
                                 Document& document,
                                 const Progress& progress) {
   HANDGRAFT_REQUIRE(may_go.size() == document.patches.size());
-  if (!models.frames.empty()) return;
   const auto misses = [&] {
     return laidIn(document) > kFewestBesidePalm &&
-           missedByShortSearch(models, document, progress) > 0;
+           trials.missedByShortSearch(document, progress) > 0;
   };
   if (!misses()) return;
   // Fingers first: the palm's goes before any of theirs.
-  if (leaveOneOut(models, {laidOn(hand::kPalmPart, document)}, kFewestBesidePalm, may_go,
+  if (leaveOneOut({laidOn(hand::kPalmPart, document)}, kFewestBesidePalm, may_go, trials,
                   document, progress) &&
       !misses())
     return;
   for (int round = 0; round < kMostRounds; ++round) {
-    if (!leaveOneOut(models, patchesOfFingers(document), kFewestLeft, may_go, document,
+    if (!leaveOneOut(patchesOfFingers(document), kFewestLeft, may_go, trials, document,
                      progress))
       return;
     if (!misses()) return;

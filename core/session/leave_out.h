@@ -4,9 +4,10 @@
 
 #include "core/base/progress.h"
 #include "core/session/document.h"
-#include "core/session/models.h"
 
 namespace handgraft::session {
+
+class WayTrials;
 
 /// Leaves out patches that keep the hand off others: the palm's, or one of a finger's, without
 /// which a full solve lacks fewer patches in all, what is left out counted as lacking; then
@@ -14,10 +15,11 @@ namespace handgraft::session {
 /// their reason and among the notes; a root on the hand brings a patch back.
 ///
 /// `may_go`: a flag a patch; what somebody laid himself stays. Nothing of motions.
-/// Deterministic. Errors: Cancelled on wish. Cost: a short search where at most one patch is
-/// missed, some 20 ms; else that of each patch, and five solves a round.
-void leaveOutWhatKeepsOthersOff(const Models& models,
-                                const std::vector<char>& may_go,
+/// Deterministic. Errors: Cancelled on wish. Cost: a short search, some 20 ms; where it misses
+/// any a solve; where that misses two and more a short search of each patch, and four solves a
+/// round.
+void leaveOutWhatKeepsOthersOff(const std::vector<char>& may_go,
+                                WayTrials& trials,
                                 Document& document,
                                 const Progress& progress);
 

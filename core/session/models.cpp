@@ -159,6 +159,7 @@ Models ModelCache::find(const std::string& hand,
   models.object_O = this->object(object, progress);
   models.contacts = contactsOn(object, progress);
   if (models.contacts == first_.contacts) models.frames = first_.frames;
+  models.threads = first_.threads;
   return models;
 }
 

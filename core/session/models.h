@@ -40,6 +40,8 @@ struct SessionModels {
   std::shared_ptr<ModelSource> source = nullptr;        ///< null: there are no others
   /// Where the contacts stand for a motion: those of its frames by which fingers are dealt.
   std::vector<FrameContacts> frames{};
+  /// That try ways to lay the patches; which is taken does not depend on it.
+  int threads = 1;
 };
 
 /// Those of a grasp with the models' own names, and no others to swap to.
@@ -54,6 +56,7 @@ struct Models {
   /// On that mesh: carried there where the set was made for another one.
   std::shared_ptr<const contact::ContactSet> contacts;
   std::vector<FrameContacts> frames{};  ///< of a motion on that mesh
+  int threads = 1;                      ///< to try ways to lay patches
 };
 
 /// The models of one session by name: those it was opened with, and those that edits brought

@@ -68,7 +68,10 @@ bool forbidPalm(const std::vector<const hand::ContactSite*>& sites,
   return any;
 }
 
-void matchByGeometry(const Models& models, Document& document, const Progress& progress) {
+void matchByGeometry(const Models& models,
+                     WayTrials& trials,
+                     Document& document,
+                     const Progress& progress) {
   const hand::Hand& hand = *models.hand;
   // === Who is left: patches and sites where at least one of the two has no finger's name
   std::vector<std::size_t> patches;
@@ -154,7 +157,7 @@ void matchByGeometry(const Models& models, Document& document, const Progress& p
   std::vector<Document> ways;
   for (const std::vector<int>& answer : answers)
     ways.push_back(laidBy(answer));
-  document = std::move(ways[bestWay(models, ways, true, progress)]);
+  document = std::move(ways[trials.best(ways, true, progress)]);
 }
 
 void noteTheOtherSide(const Models& models, hand::Chirality of_hand, Document& document) {
@@ -165,7 +168,9 @@ void noteTheOtherSide(const Models& models, hand::Chirality of_hand, Document& d
 
 }  // namespace
 
-void matchPatches(const Models& models, Document& document, const Progress& progress) {
+std::shared_ptr<const Solution> matchPatches(const Models& models,
+                                             Document& document,
+                                             const Progress& progress) {
   std::vector<char> may_go;
   for (DocumentPatch& patch : document.patches) {
     if (!patch.placement) patch.dropped.clear();
@@ -176,9 +181,10 @@ void matchPatches(const Models& models, Document& document, const Progress& prog
   const PlacesOfPatches places = placesIn(models, *coordinates, document);
   // Which finger takes whose patches depends on what else is to be reached.
   matchByName(*models.hand, places, document);
-  matchByPlace(models, *coordinates, places, document, progress);
+  WayTrials trials(models);
+  matchByPlace(models, *coordinates, places, trials, document, progress);
   matchByName(*models.hand, {}, document);
-  matchByGeometry(models, document, progress);
+  matchByGeometry(models, trials, document, progress);
   const auto is_placed = [](const DocumentPatch& patch) {
     return patch.placement.has_value();
   };
@@ -190,7 +196,8 @@ void matchPatches(const Models& models, Document& document, const Progress& prog
         "contact set {}: none of its patches ({}) has a site on the hand; its sites are {}",
         quoted(document.contacts), fmt::join(names, ", "), namesOf(models.hand->sites));
   }
-  leaveOutWhatKeepsOthersOff(models, may_go, document, progress);
+  // In a motion it may be what other frames are held by.
+  if (models.frames.empty()) leaveOutWhatKeepsOthersOff(may_go, trials, document, progress);
   const auto laid = std::ranges::count_if(document.patches, is_placed);
   if (models.hand->sites.empty() && laid < std::ssize(document.patches)) {
     document.notes.push_back(
@@ -198,6 +205,7 @@ void matchPatches(const Models& models, Document& document, const Progress& prog
                     "hand::findContactSites and io::readSites make them",
                     laid, document.patches.size()));
   }
+  return trials.solutionOf(document);
 }
 
 SessionModels modelsFor(const Document& document,
@@ -249,18 +257,19 @@ contact::Patch patchOf(const Models& models, const DocumentPatch& patch) {
               quoted(patch.name));
 }
 
-Document firstDocument(ModelCache& cache,
-                       const Pose& X_WO,
-                       const optimize::Weights& weights,
-                       const transfer::TransferOptions& transfer,
-                       const Progress& progress) {
+FirstDocument firstDocument(ModelCache& cache,
+                            const Pose& X_WO,
+                            const optimize::Weights& weights,
+                            const transfer::TransferOptions& transfer,
+                            const Progress& progress) {
   const SessionModels& first = cache.first();
   const Models models = cache.find(first.hand_name, first.object_name, progress);
   validate(*models.hand->model, models.hand->sites);
   validateSet(*models.contacts, *models.object_O, models.hand->sites);
   validate(transfer);
 
-  Document document;
+  FirstDocument result;
+  Document& document = result.document;
   document.hand = first.hand_name;
   document.object = first.object_name;
   document.contacts = first.contacts_name;
@@ -280,8 +289,8 @@ Document firstDocument(ModelCache& cache,
     patch.direction_is_open = !outline.direction_O.has_value();
     document.patches.push_back(std::move(patch));
   }
-  matchPatches(models, document, progress);
-  return document;
+  result.solution = matchPatches(models, document, progress);
+  return result;
 }
 
 }  // namespace handgraft::session

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "core/base/progress.h"
 #include "core/optimize/pose_problem.h"
 #include "core/session/document.h"
@@ -7,22 +9,33 @@
 
 namespace handgraft::session {
 
+struct Solution;
+
 /// The document that a session begins with: every patch on its site, the hand at rest.
+struct FirstDocument {
+  Document document;
+  /// What solving it by its own settings comes to, where that had to be tried; else null.
+  std::shared_ptr<const Solution> solution;
+};
+
 ///
 /// Errors: InvalidInput as Session's constructor. Cost: some milliseconds; of patches without
 /// fingers' names as assignSites;
 /// where the hand cannot have all of them, as leaveOutWhatKeepsOthersOff.
-Document firstDocument(ModelCache& cache,
-                       const Pose& X_WO,
-                       const optimize::Weights& weights,
-                       const transfer::TransferOptions& transfer,
-                       const Progress& progress);
+FirstDocument firstDocument(ModelCache& cache,
+                            const Pose& X_WO,
+                            const optimize::Weights& weights,
+                            const transfer::TransferOptions& transfer,
+                            const Progress& progress);
 
 /// Lays the patches that have no place onto the hand's sites: by name, then by geometry where a
 /// patch or a site has no finger's name. What keeps the hand off others goes again
-/// (leave_out.h). Adds notes, and says why a patch is dropped.
+/// (leave_out.h). Adds notes, and says why a patch is dropped. What solving the document by its
+/// own settings comes to, where that had to be tried; else null.
 /// Errors: InvalidInput if no patch of the document has a place then.
-void matchPatches(const Models& models, Document& document, const Progress& progress);
+std::shared_ptr<const Solution> matchPatches(const Models& models,
+                                             Document& document,
+                                             const Progress& progress);
 
 /// What a document's names stand for, to solve it apart from its session.
 SessionModels modelsFor(const Document& document,

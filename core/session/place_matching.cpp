@@ -144,6 +144,7 @@ void layDealt(const Models& models,
 void matchByPlace(const Models& models,
                   const hand::FingerCoordinates& coordinates,
                   const PlacesOfPatches& places,
+                  WayTrials& trials,
                   Document& document,
                   const Progress& progress) {
   if (std::none_of(places.begin(), places.end(), [](const auto& place) {
@@ -151,7 +152,7 @@ void matchByPlace(const Models& models,
       }))
     return;
   layDealt(models, coordinates, places,
-           dealFingers(models, coordinates, places, document, progress), document);
+           dealFingers(models, coordinates, places, trials, document, progress), document);
 }
 
 std::vector<char> linksOfSite(const hand::Hand& hand,

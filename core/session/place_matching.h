@@ -22,6 +22,7 @@ PlacesOfPatches placesIn(const Models& models,
 void matchByPlace(const Models& models,
                   const hand::FingerCoordinates& coordinates,
                   const PlacesOfPatches& places,
+                  WayTrials& trials,
                   Document& document,
                   const Progress& progress);
 

@@ -47,8 +47,10 @@ Session::Session(SessionModels models,
     : cache_(std::make_shared<ModelCache>(std::move(models))), derived_(cache_) {
   requireRigid(X_WO, "the object's pose");
   validateWeights(weights);
-  history_ = History(firstDocument(*cache_, X_WO, weights, transfer_options, Progress()));
+  FirstDocument first = firstDocument(*cache_, X_WO, weights, transfer_options, Progress());
+  history_ = History(std::move(first.document));
   derived_.follow(document(), Progress());
+  derived_.expect(std::move(first.solution));
   log_ = Log({history_, revision_});
 }
 

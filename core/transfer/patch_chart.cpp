@@ -53,7 +53,7 @@ PatchChart::PatchChart(std::shared_ptr<const geometry::LogMapper> object_O,
 bool PatchChart::answers(const geometry::LogMapper& object_O,
                          const contact::Patch& patch,
                          const TransferOptions& options) const {
-  if (&object_O != object_O_.get() || options.method != options_.method ||
+  if (&object_O.mesh() != &object_O_->mesh() || options.method != options_.method ||
       options.interior_rings != options_.interior_rings || !same(patch.root, root_)) {
     return false;
   }

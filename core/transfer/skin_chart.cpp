@@ -43,7 +43,7 @@ bool SkinChart::answers(const LogMapper& skin_S,
                         const PatchPlacement& placement,
                         double reach,
                         LogMapMethod method) const {
-  return &skin_S == skin_S_.get() && method == asked_ &&
+  return &skin_S.mesh() == &skin_S_->mesh() && method == asked_ &&
          placement.root_S.face == root_S_.face &&
          placement.root_S.barycentric == root_S_.barycentric &&
          radiusFor(skin_S, reach) == radius_ &&

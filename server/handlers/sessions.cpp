@@ -43,6 +43,8 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
   const std::chrono::duration<double, std::milli> skin =
       std::chrono::steady_clock::now() - begin;
   if (motion) motion->object_O = models.object_O;
+  const HandlerContext::Share share(context);
+  models.threads = share.threads();
   return enterSession(session::Session(std::move(models), X_WO, weights, transfer),
                       skin.count(), context, by, "open_session", progress, std::move(motion))
       ->state();

@@ -44,6 +44,8 @@ Json toJson(const HandSummary& hand) {
           {"ours", toJson(hand.ours)},
           {"transfer_median_ms", numberOrNull(hand.transfer_median_ms)},
           {"transfer_p95_ms", numberOrNull(hand.transfer_p95_ms)},
+          {"pose_median_ms", numberOrNull(hand.pose_median_ms)},
+          {"pose_p95_ms", numberOrNull(hand.pose_p95_ms)},
           {"told_median_mm", numberOrNull(hand.told_median_mm)},
           {"told_worst_mm", numberOrNull(hand.told_worst_mm)},
           {"joints_off_four_digits_mm", numberOrNull(hand.joints_four_mm)},

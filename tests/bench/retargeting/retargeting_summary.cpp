@@ -78,17 +78,18 @@ std::string mainTable(const std::vector<HandSummary>& hands) {
       "| hand | joints | grasps | patches reached | all of them | mean mm | normals deg | gap "
       "mm "
       "| deepest mm: median, worst, past 2 mm | as told: median, worst | shared cm3 | self mm: "
-      "median, worst | lay ms: median, p95 | solve ms: median, p95 | joints off mm: four "
+      "median, worst | lay ms: median, p95 | solve ms: median, p95 | both ms: median, p95 | "
+      "joints off mm: four "
       "digits, "
       "all |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const HandSummary& hand : hands) {
     const MethodSummary& ours = hand.ours;
     text += fmt::format(
         "| {} | {} | {}{} | {:.0f} % of {}{} | {:.0f} % | {:.1f} | {:.0f} | {:.1f} | {:.1f}, "
         "{:.1f}, {:.0f} % | {:.1f}, {:.1f} | {:.2f} | {:.1f}, {:.1f} | {:.0f}, {:.0f} | "
         "{:.0f}, "
-        "{:.0f} | {} |\n",
+        "{:.0f} | {:.0f}, {:.0f} | {} |\n",
         hand.hand, hand.dofs == 0 ? "" : std::to_string(hand.dofs), ours.grasps,
         hand.refused == 0 ? "" : fmt::format(", {} refused", hand.refused),
         percent(ours.reached, ours.asked), ours.asked,
@@ -97,7 +98,7 @@ std::string mainTable(const std::vector<HandSummary>& hands) {
         ours.deepest_median_mm, ours.deepest_worst_mm, percent(ours.past_2mm, ours.grasps),
         hand.told_median_mm, hand.told_worst_mm, ours.shared_cm3, ours.self_median_mm,
         ours.self_worst_mm, hand.transfer_median_ms, hand.transfer_p95_ms, ours.solve_median_ms,
-        ours.solve_p95_ms,
+        ours.solve_p95_ms, hand.pose_median_ms, hand.pose_p95_ms,
         std::isnan(hand.joints_all_mm)
             ? ""
             : numberOr(hand.joints_four_mm) + ", " + numberOr(hand.joints_all_mm));
@@ -152,6 +153,7 @@ HandSummary summarise(const std::string& name,
     return maybe(grasp.dex_pilot);
   }));
   std::vector<double> transfers;
+  std::vector<double> poses;
   std::vector<double> told;
   std::vector<double> joints;
   std::vector<double> joints_of_four;
@@ -162,6 +164,7 @@ HandSummary summarise(const std::string& name,
     }
     summary.dropped += static_cast<int>(grasp->patches.size()) - grasp->asked;
     transfers.push_back(grasp->ms_transfer);
+    poses.push_back(grasp->ms_transfer + grasp->ours.ms);
     told.push_back(1e3 * grasp->told_depth_m);
     if (!grasp->joints_mm) continue;
     joints.push_back(*grasp->joints_mm);
@@ -169,6 +172,8 @@ HandSummary summarise(const std::string& name,
   }
   summary.transfer_median_ms = medianOf(transfers);
   summary.transfer_p95_ms = transfers.empty() ? kNothing : quantile(transfers, 0.95);
+  summary.pose_median_ms = medianOf(poses);
+  summary.pose_p95_ms = poses.empty() ? kNothing : quantile(poses, 0.95);
   summary.told_median_mm = medianOf(told);
   summary.told_worst_mm = worstOf(told);
   summary.joints_four_mm = medianOf(joints_of_four);

@@ -35,6 +35,10 @@ struct HandSummary {
   int refused = 0;
   int dropped = 0;  ///< patches that the hand cannot have
   MethodSummary ours;
+  /// From the models to the pose: what is tried while patches are laid need not be solved
+  /// again.
+  double pose_median_ms = 0.0;
+  double pose_p95_ms = 0.0;
   double transfer_median_ms = 0.0;
   double transfer_p95_ms = 0.0;
   double told_median_mm = 0.0;  ///< deepest place as the product tells it

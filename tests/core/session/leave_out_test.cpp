@@ -11,6 +11,7 @@
 
 #include "core/io/contact_file.h"
 #include "core/optimize/diagnosis.h"
+#include "core/session/best_way.h"
 #include "core/session/patch_matching.h"
 #include "core/session/session.h"
 
@@ -122,10 +123,11 @@ TEST(LeaveOut, NothingOfWhatSomebodyLaidHimself) {
   ModelCache cache(modelsFor(again, hand, lemon.mesh,
                              std::make_shared<const contact::ContactSet>(lemon.contacts)));
   const Models models = cache.find(again.hand, again.object, Progress());
-  leaveOutWhatKeepsOthersOff(models, std::vector<char>(again.patches.size(), 0), again,
+  WayTrials trials(models);
+  leaveOutWhatKeepsOthersOff(std::vector<char>(again.patches.size(), 0), trials, again,
                              Progress());
   EXPECT_TRUE(again == before);
-  leaveOutWhatKeepsOthersOff(models, std::vector<char>(again.patches.size(), 1), again,
+  leaveOutWhatKeepsOthersOff(std::vector<char>(again.patches.size(), 1), trials, again,
                              Progress());
   EXPECT_FALSE(again == before);
 }
