@@ -220,18 +220,19 @@ const placement::HandPoseGuesser& DerivedState::placer() {
 }
 
 void DerivedState::findOpenDirections(const Progress& progress) {
-  bool any_missing = false;
+  const bool any_missing =
+      std::any_of(patches_.begin(), patches_.end(), [](const SessionPatch& item) {
+        return item.placement && !item.patch.direction_O;
+      });
+  if (!any_missing) return;
   std::vector<placement::Anchor> anchors;
   for (const SessionPatch& item : patches_) {
-    if (!item.placement) continue;
-    any_missing = any_missing || !item.patch.direction_O;
-    if (item.patch.weight == 0.0) continue;
+    if (!item.placement || item.patch.weight == 0.0) continue;
     if (const auto anchor = placement::anchorAt(*models_.hand->skin, *item.placement)) {
       anchors.push_back(placement::withObjectSide(*anchor, item.patch, *models_.object_O,
                                                   !item.direction_is_open));
     }
   }
-  if (!any_missing) return;
   if (!start_is_known_ && !anchors.empty()) {
     choosePlacement(placer().place(anchors, document_.X_WO, kPlacingStarts, progress),
                     progress);
