@@ -43,11 +43,12 @@ void validateHistory(const History& history, ModelCache& cache) {
 Session::Session(SessionModels models,
                  const Pose& X_WO,
                  const optimize::Weights& weights,
-                 const transfer::TransferOptions& transfer_options)
+                 const transfer::TransferOptions& transfer_options,
+                 const Progress& progress)
     : cache_(std::make_shared<ModelCache>(std::move(models))), derived_(cache_) {
   requireRigid(X_WO, "the object's pose");
   validateWeights(weights);
-  FirstDocument first = firstDocument(*cache_, X_WO, weights, transfer_options, Progress());
+  FirstDocument first = firstDocument(*cache_, X_WO, weights, transfer_options, progress);
   history_ = History(std::move(first.document));
   derived_.follow(document(), Progress());
   derived_.expect(std::move(first.solution));

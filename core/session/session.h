@@ -50,11 +50,14 @@ class Session {
   /// Errors: InvalidInput if two patches share a name, a name is neither a finger's, nor
   /// `palm`, nor one of the hand's sites (naming those), no patch has a site on the hand
   /// (naming both lists), the set does not fit the mesh, or the options are out of range. A
-  /// finger that this hand lacks is no error: the patch is dropped and says so.
+  /// finger that this hand lacks is no error: the patch is dropped and says so. Cancelled on
+  /// wish. Cost: some milliseconds; where the hand cannot have all patches together up to a
+  /// dozen solves (best_way.h).
   Session(SessionModels models,
           const Pose& X_WO,
           const optimize::Weights& weights,
-          const transfer::TransferOptions& transfer_options = {});
+          const transfer::TransferOptions& transfer_options = {},
+          const Progress& progress = Progress());
 
   /// The same with the models' own names and no others to swap to.
   Session(hand::Hand hand,

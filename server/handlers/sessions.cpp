@@ -45,7 +45,7 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
   if (motion) motion->object_O = models.object_O;
   const HandlerContext::Share share(context);
   models.threads = share.threads();
-  return enterSession(session::Session(std::move(models), X_WO, weights, transfer),
+  return enterSession(session::Session(std::move(models), X_WO, weights, transfer, progress),
                       skin.count(), context, by, "open_session", progress, std::move(motion))
       ->state();
 }

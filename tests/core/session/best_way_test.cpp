@@ -125,6 +125,15 @@ TEST(WayTrials, AreTheSameOnAnyNumberOfThreads) {
   }
 }
 
+TEST(WayTrials, AreGivenUpOnWish) {
+  const HardLemon lemon;
+  SessionModels models = lemon.models();
+  models.threads = 2;
+  Progress given_up;
+  given_up.cancel();
+  EXPECT_THROW(Session(models, Pose::Identity(), {}, {}, given_up), Cancelled);
+}
+
 TEST(WayTrials, KeepWhatAFullSearchFound) {
   const HardLemon lemon;
   const Session session(lemon.models(), Pose::Identity(), {});
