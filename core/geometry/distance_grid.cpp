@@ -242,14 +242,15 @@ HANDGRAFT_WIDE double DistanceGrid::atLeast(const Eigen::Vector3d& p) const {
   const Eigen::Vector3i middle = (u.array() + 0.5).cast<int>();
   const Eigen::Vector3d t = u - middle.cast<double>();
   const float* const first = values_.data() + indexOf((middle.array() - 1).matrix());
-  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(counts_[0]) * counts_[1];
+  const std::ptrdiff_t next_row = counts_[0];
+  const std::ptrdiff_t plane = next_row * counts_[1];
   // Nodes beyond the band are blended: all that is sure of them is that they lie beyond it, and
   // of those inside not even how far in.
   const double most = kBand * spacing_;
   double bound = -std::numeric_limits<double>::infinity();
   for (int k = -1; k <= 1; ++k) {
     for (int j = -1; j <= 1; ++j) {
-      const float* const row = first + (k + 1) * plane + (j + 1) * counts_[0];
+      const float* const row = first + (k + 1) * plane + (j + 1) * next_row;
       const double across = (t[2] - k) * (t[2] - k) + (t[1] - j) * (t[1] - j);
       for (int i = -1; i <= 1; ++i) {
         const double value = row[i + 1];

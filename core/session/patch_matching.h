@@ -18,10 +18,9 @@ struct FirstDocument {
   std::shared_ptr<const Solution> solution;
 };
 
-///
 /// Errors: InvalidInput as Session's constructor. Cost: some milliseconds; of patches without
-/// fingers' names as assignSites;
-/// where the hand cannot have all of them, as leaveOutWhatKeepsOthersOff.
+/// fingers' names as assignSites; where the hand cannot have all of them, as
+/// leaveOutWhatKeepsOthersOff.
 FirstDocument firstDocument(ModelCache& cache,
                             const Pose& X_WO,
                             const optimize::Weights& weights,
