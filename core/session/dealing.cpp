@@ -182,7 +182,7 @@ Dealing dealFingers(const Models& models,
   if (missing.empty() && !is_claw) return same;
   const std::vector<Dealing> ways = waysToDeal(anatomy, touching);
   const bool has_choice = ways.size() > 1;
-  const Dealing best =
+  Dealing best =
       ways[trials.best(laidBy(models, coordinates, places, ways, document), false, progress)];
   for (const auto& [from, to] : best) {
     if (from == to) continue;

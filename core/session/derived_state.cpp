@@ -163,6 +163,7 @@ void DerivedState::followPatch(std::size_t index,
   item.patch.weight = patch.effectiveWeight();
   item.site = patch.site;
   item.placement = patch.placement;
+  if (!item.placement) item.transferred = {};  // of one that was laid before
   item.dropped = patch.dropped;
   item.direction_is_open = patch.direction_is_open;
   item.root_is_open = patch.root_is_open;

@@ -68,29 +68,31 @@ bool forbidPalm(const std::vector<const hand::ContactSite*>& sites,
   return any;
 }
 
-void matchByGeometry(const Models& models,
-                     WayTrials& trials,
-                     Document& document,
-                     const Progress& progress) {
-  const hand::Hand& hand = *models.hand;
-  // === Who is left: patches and sites where at least one of the two has no finger's name
+/// What is left to match by geometry: patches and sites, where they are, and what is laid.
+struct Unmatched {
   std::vector<std::size_t> patches;
   std::vector<placement::Anchor> patch_anchors;
   std::vector<placement::Anchor> fixed;
+  std::vector<const hand::ContactSite*> sites;
+  std::vector<placement::Anchor> site_anchors;
+};
+
+/// Notes those whose finger has been dealt with.
+Unmatched unmatchedOf(const Models& models, Document& document) {
+  const hand::Hand& hand = *models.hand;
+  Unmatched left;
   for (std::size_t i = 0; i < document.patches.size(); ++i) {
     const DocumentPatch& patch = document.patches[i];
     if (!patch.placement && !patch.dropped.empty()) {
-      // Its finger has been dealt with: part of it on another one would be worse than none.
+      // Part of it on another finger would be worse than none.
       document.notes.push_back(patch.dropped);
     } else if (!patch.placement) {
-      patches.push_back(i);
-      patch_anchors.push_back(objectSideOf({}, patch, models));
+      left.patches.push_back(i);
+      left.patch_anchors.push_back(objectSideOf({}, patch, models));
     } else if (auto anchor = placement::anchorAt(*hand.skin, *patch.placement)) {
-      fixed.push_back(objectSideOf(*anchor, patch, models));
+      left.fixed.push_back(objectSideOf(*anchor, patch, models));
     }
   }
-  std::vector<const hand::ContactSite*> sites;
-  std::vector<placement::Anchor> site_anchors;
   for (const hand::ContactSite& site : hand.sites) {
     const bool is_taken =
         std::any_of(document.patches.begin(), document.patches.end(), [&](const auto& patch) {
@@ -98,65 +100,86 @@ void matchByGeometry(const Models& models,
         });
     const auto anchor = placement::anchorAt(*hand.skin, soundPlacementAt(hand, site));
     if (is_taken || !anchor) continue;
-    sites.push_back(&site);
-    site_anchors.push_back(*anchor);
+    left.sites.push_back(&site);
+    left.site_anchors.push_back(*anchor);
   }
+  return left;
+}
+
+/// Which of the sites each patch that is left goes to, -1: to none; the ways worth trying.
+std::vector<std::vector<int>> answersFor(const Models& models,
+                                         const Unmatched& left,
+                                         const Document& document,
+                                         const Progress& progress) {
   bool any = false;
   std::vector<std::vector<bool>> permitted;
-  for (const std::size_t i : patches) {
+  for (const std::size_t i : left.patches) {
     permitted.emplace_back();
-    for (const hand::ContactSite* site : sites) {
+    for (const hand::ContactSite* site : left.sites) {
+      // Where at least one of the two has no finger's name.
       const bool may =
           isAnonymousPatch(document.patches[i].name) || isAnonymousSite(site->name);
       permitted.back().push_back(may);
       any = any || may;
     }
   }
+  if (!any) return {std::vector<int>(left.patches.size(), -1)};
+  const hand::Hand& hand = *models.hand;
+  const placement::HandPoseGuesser placer(hand.model, *hand.skin, models.object_O);
+  const auto assigned = [&] {
+    return placement::assignSites(placer, hand.model, left.fixed, left.patch_anchors,
+                                  left.site_anchors, permitted, document.X_WO, kWays, progress);
+  };
+  std::vector<std::vector<int>> answers = assigned();
+  // Hands touch with fingers first: a palm that is as good by roots and normals may be out of
+  // what they leave of the object's reach.
+  if (forbidPalm(left.sites, permitted)) {
+    for (std::vector<int>& answer : assigned())
+      if (std::find(answers.begin(), answers.end(), answer) == answers.end())
+        answers.push_back(std::move(answer));
+  }
+  return answers;
+}
 
-  // === Their places, and who goes without
-  std::vector<std::vector<int>> answers{std::vector<int>(patches.size(), -1)};
-  if (any) {
-    const placement::HandPoseGuesser placer(hand.model, *hand.skin, models.object_O);
-    const auto assigned = [&] {
-      return placement::assignSites(placer, hand.model, fixed, patch_anchors, site_anchors,
-                                    permitted, document.X_WO, kWays, progress);
-    };
-    answers = assigned();
-    // Hands touch with fingers first: a palm that is as good by roots and normals may be out of
-    // what they leave of the object's reach.
-    if (forbidPalm(sites, permitted)) {
-      for (std::vector<int>& answer : assigned())
-        if (std::find(answers.begin(), answers.end(), answer) == answers.end())
-          answers.push_back(std::move(answer));
+/// The document with the patches on the sites of an answer; what goes without says why.
+Document withAnswer(const std::vector<int>& answer,
+                    bool is_only_one,
+                    const hand::Hand& hand,
+                    const Unmatched& left,
+                    Document document) {
+  const auto laid_count = std::count_if(answer.begin(), answer.end(), [](int site) {
+    return site >= 0;
+  });
+  const bool is_site_left = laid_count < std::ssize(left.sites);
+  for (std::size_t i = 0; i < left.patches.size(); ++i) {
+    DocumentPatch& patch = document.patches[left.patches[i]];
+    if (answer[i] >= 0) {
+      lay(hand, *left.sites[static_cast<std::size_t>(answer[i])], patch);
+      document.notes.push_back(fmt::format(
+          "{} laid on site '{}': {}", quoted(patch.name), patch.site,
+          is_only_one ? "no other way is open" : "of the ways tried this fits best"));
+    } else if (isAnonymousPatch(patch.name)) {
+      patch.dropped = fmt::format(
+          "no site is left for {}{}; the hand's sites are {}", quoted(patch.name),
+          is_site_left ? " that reaches it beside the others" : "", namesOf(hand.sites));
+    } else {
+      patch.dropped = fmt::format("hand has no {}; its sites are {}", quoted(patch.name),
+                                  namesOf(hand.sites));
     }
   }
-  const auto laidBy = [&](const std::vector<int>& answer) {
-    Document laid = document;
-    for (std::size_t i = 0; i < patches.size(); ++i) {
-      DocumentPatch& patch = laid.patches[patches[i]];
-      if (answer[i] >= 0) {
-        lay(hand, *sites[static_cast<std::size_t>(answer[i])], patch);
-        laid.notes.push_back(fmt::format(
-            "{} laid on site '{}': {}", quoted(patch.name), patch.site,
-            answers.size() > 1 ? "of the ways tried this fits best" : "no other way is open"));
-      } else if (isAnonymousPatch(patch.name)) {
-        const auto laid_count = std::count_if(answer.begin(), answer.end(), [](int site) {
-          return site >= 0;
-        });
-        const bool is_one_left = laid_count < static_cast<std::ptrdiff_t>(sites.size());
-        patch.dropped = fmt::format(
-            "no site is left for {}{}; the hand's sites are {}", quoted(patch.name),
-            is_one_left ? " that reaches it beside the others" : "", namesOf(hand.sites));
-      } else {
-        patch.dropped = fmt::format("hand has no {}; its sites are {}", quoted(patch.name),
-                                    namesOf(hand.sites));
-      }
-    }
-    return laid;
-  };
+  return document;
+}
+
+void matchByGeometry(const Models& models,
+                     WayTrials& trials,
+                     Document& document,
+                     const Progress& progress) {
+  const Unmatched left = unmatchedOf(models, document);
+  const auto answers = answersFor(models, left, document, progress);
   std::vector<Document> ways;
+  ways.reserve(answers.size());
   for (const std::vector<int>& answer : answers)
-    ways.push_back(laidBy(answer));
+    ways.push_back(withAnswer(answer, answers.size() == 1, *models.hand, left, document));
   document = std::move(ways[trials.best(ways, true, progress)]);
 }
 

@@ -42,6 +42,12 @@ void expectSame(const Solution& a, const Solution& b) {
   EXPECT_EQ(a.report.evaluations, b.report.evaluations);
   EXPECT_EQ(a.report.minima.size(), b.report.minima.size());
   EXPECT_TRUE(a.document == b.document);
+  ASSERT_EQ(a.patches.size(), b.patches.size());
+  for (std::size_t i = 0; i < a.patches.size(); ++i) {
+    EXPECT_EQ(a.patches[i].transferred.correspondences.size(),
+              b.patches[i].transferred.correspondences.size())
+        << a.patches[i].patch.name;
+  }
 }
 
 /// A session that does not know what its opening came to.
