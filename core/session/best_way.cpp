@@ -44,8 +44,7 @@ std::string askedBy(Document document) {
   return bytesOf(document);
 }
 
-/// Whether a way that drops so many may lack less than those that lack and drop at least so
-/// many; or as much, and drop as many.
+/// Of ways that were tried, how many patches the best lacks, and drops of them.
 class Least {
  public:
   [[nodiscard]] bool mayBeBeatenBy(std::ptrdiff_t dropped) const {

@@ -11,13 +11,15 @@ namespace handgraft::session {
 
 struct Solution;
 
-/// The document that a session begins with: every patch on its site, the hand at rest.
+/// What a session begins with.
 struct FirstDocument {
-  Document document;
+  Document document;  ///< every patch on its site, the hand at rest
   /// What solving it by its own settings comes to, where that had to be tried; else null.
   std::shared_ptr<const Solution> solution;
 };
 
+/// That of the cache's first models.
+///
 /// Errors: InvalidInput as Session's constructor. Cost: some milliseconds; of patches without
 /// fingers' names as assignSites; where the hand cannot have all of them, as
 /// leaveOutWhatKeepsOthersOff.

@@ -9,30 +9,21 @@
 
 #include <gtest/gtest.h>
 
-#include "core/io/contact_file.h"
 #include "core/session/derived_state.h"
 #include "core/session/session.h"
 
-#include "tests/core/session/library_models.h"
+#include "tests/core/session/uneven_lemon.h"
 
 namespace handgraft::session {
 namespace {
 
-/// The lemon in a hand whose index finger keeps the others off: patches are tried as it opens.
-struct HardLemon {
-  io::MeshFile file = io::readMesh(test::libraryPath("objects/lemon.obj"));
-  std::shared_ptr<const geometry::TriangleMesh> mesh =
-      std::make_shared<const geometry::TriangleMesh>(file.mesh);
-  contact::ContactSet contacts =
-      io::readContactSet(test::libraryPath("contacts/lemon_6.json"), file);
-  hand::Hand hand = test::handOfLibrary("tendon16");
+/// Whose index finger keeps the others off, on the hand below: patches are tried as it opens.
+struct HardLemon : test::UnevenLemon {
+  std::string hand = "tendon16";
 
-  HardLemon() {
-    for (contact::Patch& patch : contacts.patches)
-      if (patch.name == "index") patch.weight *= 10.0;
-  }
+  HardLemon() : UnevenLemon("index", 10.0) {}
 
-  [[nodiscard]] SessionModels models() const { return modelsOf(hand, mesh, contacts); }
+  [[nodiscard]] SessionModels models() const { return UnevenLemon::models(hand); }
 };
 
 void expectSame(const Solution& a, const Solution& b) {
@@ -120,7 +111,7 @@ TEST(WayTrials, NoneDependsOnWhatWasTriedBefore) {
 TEST(WayTrials, AreTheSameOnAnyNumberOfThreads) {
   HardLemon lemon;
   for (const char* hand : {"tendon16", "barrett8"}) {
-    lemon.hand = test::handOfLibrary(hand);
+    lemon.hand = hand;
     Session alone(lemon.models(), Pose::Identity(), {});
     SessionModels models = lemon.models();
     models.threads = 4;

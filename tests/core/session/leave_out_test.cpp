@@ -15,30 +15,13 @@
 #include "core/session/patch_matching.h"
 #include "core/session/session.h"
 
-#include "tests/core/session/library_models.h"
+#include "tests/core/session/uneven_lemon.h"
 
 namespace handgraft::session {
 namespace {
 
+using test::UnevenLemon;
 using testing::HasSubstr;
-
-/// The lemon in a whole hand, one of its patches so many times as heavy as the others.
-struct UnevenLemon {
-  io::MeshFile file = io::readMesh(test::libraryPath("objects/lemon.obj"));
-  std::shared_ptr<const geometry::TriangleMesh> mesh =
-      std::make_shared<const geometry::TriangleMesh>(file.mesh);
-  contact::ContactSet contacts =
-      io::readContactSet(test::libraryPath("contacts/lemon_6.json"), file);
-
-  UnevenLemon(const std::string& heavy, double times) {
-    for (contact::Patch& patch : contacts.patches)
-      if (patch.name == heavy) patch.weight *= times;
-  }
-
-  [[nodiscard]] Session open(const std::string& hand) const {
-    return {test::handOfLibrary(hand), mesh, contacts, Pose::Identity(), {}};
-  }
-};
 
 std::size_t indexOf(const Session& session, const std::string& patch) {
   const auto& patches = session.patches();
