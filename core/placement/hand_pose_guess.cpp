@@ -11,7 +11,6 @@
 #include "core/geometry/tangent.h"
 #include "core/optimize/objective.h"
 #include "core/optimize/solver.h"
-#include "core/placement/solids.h"
 
 namespace handgraft::placement {
 namespace {
@@ -113,8 +112,8 @@ PoseProblem anchorProblem(std::shared_ptr<const hand::HandModel> model,
 
 HandPoseGuesser::HandPoseGuesser(std::shared_ptr<const hand::HandModel> model,
                                  const hand::Skin& skin,
-                                 const std::shared_ptr<const geometry::TriangleMesh>& object_O)
-    : model_(std::move(model)), object_O_(locatorOf(object_O)) {
+                                 std::shared_ptr<const geometry::Solid> object_O)
+    : model_(std::move(model)), object_O_(std::move(object_O)) {
   const int vertices = skin.mesh().vertexCount();
   const int stride = std::max(1, vertices / kMostSamples);
   for (int v = 0; v < vertices; v += stride) {
@@ -130,10 +129,8 @@ double HandPoseGuesser::meanSquareDepth(const hand::HandPose& pose, const Pose& 
   hand::forwardKinematics(*model_, inverse(X_WO) * pose.X_WH, pose.q, X_OL);
   double sum = 0.0;
   for (const Sample& sample : samples_) {
-    const Eigen::Vector3d p_O = X_OL[sample.link] * sample.p_L;
-    const geometry::SurfaceLocator::Hit hit = object_O_->nearest(p_O);
-    const Eigen::Vector3d n_O = normalOf(object_O_->mesh(), hit.point);
-    if ((p_O - hit.position).dot(n_O) < 0.0) sum += hit.distance * hit.distance;
+    const double depth = std::max(0.0, -object_O_->grid().at(X_OL[sample.link] * sample.p_L));
+    sum += depth * depth;
   }
   return sum / static_cast<double>(samples_.size());
 }

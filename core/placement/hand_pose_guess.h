@@ -9,7 +9,7 @@
 
 #include "core/base/progress.h"
 #include "core/contact/patch.h"
-#include "core/geometry/surface_locator.h"
+#include "core/geometry/solid.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/hand/kinematics.h"
 #include "core/hand/skin.h"
@@ -66,10 +66,10 @@ struct HandPoseGuess {
 /// directions.
 class HandPoseGuesser {
  public:
-  /// Keeps its own copies of what it needs of the skin, and shares the object's locator.
+  /// Keeps its own copies of what it needs of the skin, and shares the object.
   HandPoseGuesser(std::shared_ptr<const hand::HandModel> model,
                   const hand::Skin& skin,
-                  const std::shared_ptr<const geometry::TriangleMesh>& object_O);
+                  std::shared_ptr<const geometry::Solid> object_O);
 
   /// Poses found from `starts` deterministic starts, best first.
   /// Errors: Cancelled on wish. Cost: about a millisecond a start.
@@ -78,7 +78,7 @@ class HandPoseGuesser {
                                                  int starts,
                                                  const Progress& progress) const;
 
-  /// Mean square depth of the hand's skin inside the object, m^2, by the nearest face's side.
+  /// Mean square depth of the hand's skin inside the object, m^2; thin walls count little.
   [[nodiscard]] double meanSquareDepth(const hand::HandPose& pose, const Pose& X_WO) const;
 
   /// What that depth adds to an objective over `pair_count` pairs, to rank poses.
@@ -94,7 +94,7 @@ class HandPoseGuesser {
 
   std::shared_ptr<const hand::HandModel> model_;
   std::vector<Sample> samples_;
-  std::shared_ptr<const geometry::SurfaceLocator> object_O_;
+  std::shared_ptr<const geometry::Solid> object_O_;
 };
 
 }  // namespace handgraft::placement

@@ -212,10 +212,11 @@ std::vector<transfer::Suggestion> DerivedState::suggest(std::size_t patch,
 
 // === What nobody gave
 
-const placement::HandPoseGuesser& DerivedState::placer() {
+const placement::HandPoseGuesser& DerivedState::placer(const Progress& progress) {
   if (!placer_) {
     placer_ = std::make_unique<placement::HandPoseGuesser>(
-        models_.hand->model, *models_.hand->skin, models_.object_O);
+        models_.hand->model, *models_.hand->skin,
+        placement::solidOf(models_.object_O, progress));
   }
   return *placer_;
 }
@@ -235,7 +236,7 @@ void DerivedState::findOpenDirections(const Progress& progress) {
     }
   }
   if (!start_is_known_ && !anchors.empty()) {
-    choosePlacement(placer().place(anchors, document_.X_WO, kPlacingStarts, progress),
+    choosePlacement(placer(progress).place(anchors, document_.X_WO, kPlacingStarts, progress),
                     progress);
   } else {
     takeDirectionsFrom(start_);

@@ -140,7 +140,7 @@ class DerivedState {
   struct NewBeginnings;
 
   void followPatch(std::size_t index, const DocumentPatch& patch, bool keeps_found);
-  [[nodiscard]] const placement::HandPoseGuesser& placer();
+  [[nodiscard]] const placement::HandPoseGuesser& placer(const Progress& progress);
   [[nodiscard]] const hand::FingerCoordinates& coordinates();
   /// Takes start and directions from the placement that a full transfer and a short solve like
   /// best.

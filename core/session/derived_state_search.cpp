@@ -211,8 +211,9 @@ void DerivedState::choosePlacement(const std::vector<placement::HandPoseGuess>& 
     const PoseProblem trial = problem(solving);
     if (trial.pairs.empty()) break;
     const SolveReport report = optimize::solve(trial, options, progress);
-    const double score = report.terms.objective +
-                         placer().depthCharge(report.pose, document_.X_WO, trial.pairs.size());
+    const double score =
+        report.terms.objective +
+        placer(progress).depthCharge(report.pose, document_.X_WO, trial.pairs.size());
     if (score >= best) continue;
     best = score;
     start_ = report.pose;

@@ -13,6 +13,7 @@
 #include "core/geometry/tangent.h"
 #include "core/placement/hand_pose_guess.h"
 #include "core/placement/site_assignment.h"
+#include "core/placement/solids.h"
 #include "core/session/best_way.h"
 #include "core/session/leave_out.h"
 #include "core/session/patch_names.h"
@@ -125,7 +126,8 @@ std::vector<std::vector<int>> answersFor(const Models& models,
   }
   if (!any) return {std::vector<int>(left.patches.size(), -1)};
   const hand::Hand& hand = *models.hand;
-  const placement::HandPoseGuesser placer(hand.model, *hand.skin, models.object_O);
+  const placement::HandPoseGuesser placer(hand.model, *hand.skin,
+                                          placement::solidOf(models.object_O, progress));
   const auto assigned = [&] {
     return placement::assignSites(placer, hand.model, left.fixed, left.patch_anchors,
                                   left.site_anchors, permitted, document.X_WO, kWays, progress);

@@ -109,7 +109,8 @@ ChainOutcome graspWith(const hand::Hand& hand,
     }
     outcome.mean_mm /= std::max(1, outcome.points());
     outcome.normal_deg /= std::max(1, outcome.points());
-    const placement::HandPoseGuesser placer(hand.model, *hand.skin, grasp.object_O);
+    const placement::HandPoseGuesser placer(hand.model, *hand.skin,
+                                            placement::solidOf(grasp.object_O, Progress()));
     outcome.depth_mm =
         1e3 * std::sqrt(placer.meanSquareDepth(report.pose, session.objectPose()));
     outcome.objective = report.terms.objective;

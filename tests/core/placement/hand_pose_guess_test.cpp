@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "core/placement/solids.h"
 
 #include "tests/core/session/ball_grasp.h"
 
@@ -27,7 +28,8 @@ std::vector<Anchor> anchorsOf(const BallGrasp& grasp, bool with_directions) {
 
 TEST(HandPoseGuesser, BringsTheRootsTogetherFromOutside) {
   const BallGrasp grasp;
-  const HandPoseGuesser placer(grasp.small.model, *grasp.small.skin, grasp.ball);
+  const HandPoseGuesser placer(grasp.small.model, *grasp.small.skin,
+                               solidOf(grasp.ball, Progress()));
   const auto anchors = anchorsOf(grasp, false);
   Pose X_WO = Pose::Identity();
   X_WO.linear() = rotationFromVector({1, 2, 0.5});
@@ -46,7 +48,8 @@ TEST(HandPoseGuesser, BringsTheRootsTogetherFromOutside) {
 
 TEST(HandPoseGuesser, OrdersByScore) {
   const BallGrasp grasp;
-  const HandPoseGuesser placer(grasp.small.model, *grasp.small.skin, grasp.ball);
+  const HandPoseGuesser placer(grasp.small.model, *grasp.small.skin,
+                               solidOf(grasp.ball, Progress()));
   const auto placements = placer.place(anchorsOf(grasp, true), Pose::Identity(), 6, Progress());
   for (std::size_t i = 1; i < placements.size(); ++i) {
     EXPECT_LE(placements[i - 1].score, placements[i].score);
@@ -55,7 +58,8 @@ TEST(HandPoseGuesser, OrdersByScore) {
 
 TEST(HandPoseGuesser, MeasuresDepthInsideTheObject) {
   const BallGrasp grasp;
-  const HandPoseGuesser placer(grasp.small.model, *grasp.small.skin, grasp.ball);
+  const HandPoseGuesser placer(grasp.small.model, *grasp.small.skin,
+                               solidOf(grasp.ball, Progress()));
   hand::HandPose pose{Pose::Identity(), Eigen::VectorXd::Zero(6)};
   Pose far = Pose::Identity();
   far.translation().x() = 1.0;
@@ -65,9 +69,36 @@ TEST(HandPoseGuesser, MeasuresDepthInsideTheObject) {
   EXPECT_GT(placer.meanSquareDepth(pose, at_tip), 0.01 * 0.02 * 0.02);
 }
 
+/// A box of thin faces about the origin, its lid at +z; faces turn outwards.
+std::shared_ptr<const geometry::TriangleMesh> boxOfSheets(double half, bool has_lid) {
+  Eigen::Matrix3Xd corners(3, 8);
+  for (int i = 0; i < 8; ++i)
+    corners.col(i) =
+        half * Eigen::Vector3d((i & 1) * 2 - 1, (i >> 1 & 1) * 2 - 1, (i >> 2) * 2 - 1);
+  Eigen::Matrix3Xi faces(3, 12);
+  faces << 0, 0, 0, 0, 2, 2, 1, 1, 0, 0, 4, 4,  //
+      3, 2, 5, 1, 7, 3, 7, 5, 6, 4, 5, 7,       //
+      1, 3, 4, 5, 6, 7, 3, 7, 2, 6, 7, 6;
+  return std::make_shared<const geometry::TriangleMesh>(
+      corners, has_lid ? faces : Eigen::Matrix3Xi(faces.leftCols(10)));
+}
+
+TEST(HandPoseGuesser, AHandInAnOpenBoxIsInsideOfNothing) {
+  const BallGrasp grasp;
+  const auto depth_in = [&](bool has_lid) {
+    const HandPoseGuesser placer(grasp.small.model, *grasp.small.skin,
+                                 solidOf(boxOfSheets(0.2, has_lid), Progress()));
+    return placer.meanSquareDepth({Pose::Identity(), Eigen::VectorXd::Zero(6)},
+                                  Pose::Identity());
+  };
+  EXPECT_GT(depth_in(true), 0.05 * 0.05);
+  EXPECT_EQ(depth_in(false), 0.0);
+}
+
 TEST(HandPoseGuesser, StopsWhenAsked) {
   const BallGrasp grasp;
-  const HandPoseGuesser placer(grasp.small.model, *grasp.small.skin, grasp.ball);
+  const HandPoseGuesser placer(grasp.small.model, *grasp.small.skin,
+                               solidOf(grasp.ball, Progress()));
   Progress progress;
   progress.cancel();
   EXPECT_THROW((void)placer.place(anchorsOf(grasp, true), Pose::Identity(), 6, progress),

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/placement/solids.h"
+
 #include "tests/core/session/ball_grasp.h"
 
 namespace handgraft::placement {
@@ -13,7 +15,7 @@ using test::BallGrasp;
 
 struct Case {
   BallGrasp grasp;
-  HandPoseGuesser placer{grasp.small.model, *grasp.small.skin, grasp.ball};
+  HandPoseGuesser placer{grasp.small.model, *grasp.small.skin, solidOf(grasp.ball, Progress())};
   std::vector<Anchor> patches;
   std::vector<Anchor> sites;
 

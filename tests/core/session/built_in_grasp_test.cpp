@@ -40,7 +40,8 @@ TEST(BuiltInGrasp, ReachesEveryPatchOfTheBoxFromOutside) {
   for (const optimize::PatchFit& fit : report.patches) {
     EXPECT_LT(fit.mean_mm, 5.0) << session.patches()[fit.patch].patch.name;
   }
-  const placement::HandPoseGuesser placer(tendonHand().model, *tendonHand().skin, box.mesh);
+  const placement::HandPoseGuesser placer(tendonHand().model, *tendonHand().skin,
+                                          placement::solidOf(box.mesh, Progress()));
   EXPECT_LT(std::sqrt(placer.meanSquareDepth(report.pose, Pose::Identity())), 0.002);
 }
 
