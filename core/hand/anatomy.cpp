@@ -28,6 +28,8 @@ constexpr double kLever = 0.5;
 constexpr double kSideBySide = 0.7;
 /// Of a thumb's length: what is shorter and comes before three segments is none.
 constexpr double kStubShare = 0.25;
+constexpr std::size_t kPhalanges = 3;
+constexpr double kSameLength = 1e-4;  // m; alike fingers are parted alike
 /// Cosine; palms that are found look no farther away from where the fingers close.
 constexpr double kPalmFacing = 0.5;
 
@@ -83,6 +85,27 @@ Eigen::Vector3d palmarOf(const Digit& digit, const Eigen::Vector3d& bone) {
   return palmar.normalized();
 }
 
+/// A bone that bends in more places than a metacarpal and three phalanges do is a strand of
+/// short links: to three segments, the shortest with the shorter one beside it.
+void mergeShortest(const LinkPoses& X_SL,
+                   const Digit& digit,
+                   std::vector<std::size_t>& starts) {
+  const auto length = [&](std::size_t s) {
+    const Eigen::Vector3d end =
+        s + 1 < starts.size() ? originOf(X_SL, digit.nodes[starts[s + 1]]) : digit.tip;
+    return (end - originOf(X_SL, digit.nodes[starts[s]])).norm();
+  };
+  while (starts.size() > kPhalanges) {
+    std::size_t shortest = 0;
+    for (std::size_t s = 1; s < starts.size(); ++s)
+      if (length(s) < length(shortest) - kSameLength) shortest = s;
+    const bool with_next =
+        shortest == 0 || (shortest + 1 < starts.size() &&
+                          length(shortest + 1) < length(shortest - 1) - kSameLength);
+    starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(shortest + (with_next ? 1 : 0)));
+  }
+}
+
 /// Which of a digit's nodes begin a segment.
 std::vector<std::size_t> segmentStarts(const HandModel& model,
                                        const LinkPoses& X_SL,
@@ -103,8 +126,8 @@ std::vector<std::size_t> segmentStarts(const HandModel& model,
     starts.push_back(i);
   }
   if (starts.empty()) starts.push_back(0);
+  if (starts.size() > kPhalanges + 1) mergeShortest(X_SL, digit, starts);
   // A finger has three phalanges: what bends before them is in the palm.
-  constexpr std::size_t kPhalanges = 3;
   if (!is_thumb && starts.size() > kPhalanges)
     starts.erase(starts.begin(), starts.end() - kPhalanges);
   // What is short before a thumb's three segments is none of its own.

@@ -15,6 +15,7 @@ namespace handgraft::hand {
 /// Everything is given in the frame of the link poses (S: the skin's reference pose).
 struct Digit {
   std::vector<int> nodes;      ///< movable nodes of the model, from the palm outwards
+  std::vector<int> carriers;   ///< movable ones before them, which other digits share
   std::vector<int> tip_links;  ///< what the last joint moves, fixed links included
   Eigen::Vector3d base = Eigen::Vector3d::Zero();        ///< origin of the first joint
   Eigen::Vector3d knuckle = Eigen::Vector3d::Zero();     ///< where it first bends as it closes
@@ -52,9 +53,12 @@ std::vector<int> palmBodyOf(const HandModel& model, int palm_link);
 
 /// Finds the digits of a hand: chains of movable joints that end in a link with a surface.
 ///
-/// A joint closes towards its limit of larger magnitude; where the joints of a digit are
-/// symmetric, it closes as most of the others do. Jaws that slide close towards each other.
-/// Bars that guide a gripper's fingers are none. Deterministic. Cost: linear in the vertices.
+/// A joint closes towards its limit of larger magnitude, but for a finger that is bent where
+/// its joints are 0 and straightens towards that limit: it is shut there, and opens. Of two
+/// digits each closes towards the other. Where the joints of a digit are symmetric, it closes
+/// as most of the others do. Jaws that slide close towards each other. Bars that guide a
+/// gripper's fingers are none, nor is what carries less than a fingertip.
+/// Deterministic. Cost: linear in the vertices.
 Digits findDigits(const HandModel& model, const LinkPoses& X_SL);
 
 /// A thumb and two fingers: a claw, which takes what either hand touched.

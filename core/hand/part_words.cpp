@@ -214,6 +214,26 @@ WordMeaning meaningOf(const std::string& word) {
   return {{}, meaningOf(kSegmentWords, word)};
 }
 
+/// "LThumb1" and "rhand" begin with a side's letter, where the word as it stands says nothing.
+std::vector<Word> withSidesApart(std::vector<Word> words) {
+  constexpr std::array<std::string_view, 5> kSided = {"finger", "hand", "gripper", "wrist",
+                                                      "palm"};
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string whole = words[i].text;
+    if (whole.front() != 'l' && whole.front() != 'r') continue;
+    const std::string rest = whole.substr(1);
+    const WordMeaning known = meaningOf(whole);
+    if (!known.digit.empty() || !known.segment.empty()) continue;
+    const bool is_part = std::find(kSided.begin(), kSided.end(), rest) != kSided.end() ||
+                         (rest.size() > 2 && !meaningOf(rest).digit.empty());
+    if (!is_part) continue;
+    words[i].text = rest;
+    words.insert(words.begin() + static_cast<std::ptrdiff_t>(i), Word{whole.substr(0, 1)});
+    ++i;
+  }
+  return words;
+}
+
 std::string_view sideIn(const std::vector<Word>& words) {
   for (const Word& word : words) {
     if (word.text == "right" || word.text == "rh") return "right";
@@ -227,7 +247,7 @@ std::string_view sideIn(const std::vector<Word>& words) {
 }  // namespace
 
 PartWords partWordsOf(const std::string& name) {
-  const std::vector<Word> words = wordsOf(name);
+  const std::vector<Word> words = withSidesApart(wordsOf(name));
   PartWords parts;
   parts.side = sideIn(words);
   bool is_numbered_finger = false;

@@ -285,7 +285,8 @@ class Builder {
       sheets_area_m2_ += step.sheets_area_m2;
     }
     if (const int genus = genusOf(wrap.pieces); genus > 0)
-      report_.notes.push_back(fmt::format("the skin keeps {} handles", genus));
+      report_.notes.push_back(
+          fmt::format("the skin keeps {} handle{}", genus, genus == 1 ? "" : "s"));
     double area_m2 = 0.0;
     for (const geometry::TriangleMesh& piece : wrap.pieces)
       area_m2 += piece.area();

@@ -101,8 +101,8 @@ void noteLimitsInDegrees(const std::string& name, const XMLElement& limit, UrdfT
   const double upper = limit.DoubleAttribute("upper", 0.0);
   if (std::max(std::abs(lower), std::abs(upper)) <= 2.0 * std::numbers::pi) return;
   result.notes.push_back(
-      fmt::format("joint {}: its limits, {} to {} rad, are more than a whole turn; URDF's "
-                  "angles are radians, not degrees",
+      fmt::format("joint {}: its limits, {} to {} rad, are more than a whole turn; "
+                  "unless a motor makes these: URDF's angles are radians, not degrees",
                   handgraft::quoted(name), lower, upper));
 }
 

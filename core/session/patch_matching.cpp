@@ -185,13 +185,16 @@ void matchByGeometry(const Models& models,
   document = std::move(ways[trials.best(ways, true, progress)]);
 }
 
-void noteTheOtherSide(const Models& models, hand::Chirality of_hand, Document& document) {
-  const hand::Chirality touched = contact::touchingSide(*models.contacts, *models.object_O);
-  if (std::string note = otherSideNote(nameOf(touched), nameOf(of_hand)); !note.empty())
-    document.notes.push_back(std::move(note));
-}
-
 }  // namespace
+
+std::optional<OtherSide> otherSideOf(const Models& models) {
+  const hand::Chirality touched = contact::touchingSide(*models.contacts, *models.object_O);
+  const hand::Chirality own = sideOf(hand::coordinatesOf(*models.hand)->anatomy());
+  const bool both_known =
+      touched != hand::Chirality::kUnknown && own != hand::Chirality::kUnknown;
+  if (!both_known || touched == own) return std::nullopt;
+  return OtherSide{touched, own};
+}
 
 std::shared_ptr<const Solution> matchPatches(const Models& models,
                                              Document& document,
@@ -202,7 +205,8 @@ std::shared_ptr<const Solution> matchPatches(const Models& models,
     may_go.push_back(patch.placement ? 0 : 1);
   }
   const auto coordinates = hand::coordinatesOf(*models.hand);
-  noteTheOtherSide(models, sideOf(coordinates->anatomy()), document);
+  if (const auto other = otherSideOf(models))
+    document.notes.push_back(otherSideNote(nameOf(other->touched), nameOf(other->own)));
   const PlacesOfPatches places = placesIn(models, *coordinates, document);
   // Which finger takes whose patches depends on what else is to be reached.
   matchByName(*models.hand, places, document);

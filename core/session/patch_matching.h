@@ -1,8 +1,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "core/base/progress.h"
+#include "core/hand/digits.h"
 #include "core/optimize/pose_problem.h"
 #include "core/session/document.h"
 #include "core/session/models.h"
@@ -28,6 +30,14 @@ FirstDocument firstDocument(ModelCache& cache,
                             const optimize::Weights& weights,
                             const transfer::TransferOptions& transfer,
                             const Progress& progress);
+
+struct OtherSide {
+  hand::Chirality touched;
+  hand::Chirality own;
+};
+
+/// The side of the hand that touched and of this one, where they are known and differ.
+std::optional<OtherSide> otherSideOf(const Models& models);
 
 /// Lays the patches that have no place onto the hand's sites: by name, then by geometry where a
 /// patch or a site has no finger's name. What keeps the hand off others goes again

@@ -181,6 +181,8 @@ class Session {
 
   [[nodiscard]] const std::vector<SessionPatch>& patches() const { return derived_.patches(); }
 
+  [[nodiscard]] const Models& models() const { return derived_.models(); }
+
   [[nodiscard]] const hand::Hand& hand() const { return *derived_.models().hand; }
 
   [[nodiscard]] const geometry::TriangleMesh& object() const {

@@ -11,6 +11,7 @@
 #include "core/optimize/solver.h"
 #include "core/placement/solids.h"
 #include "core/session/derived_state.h"
+#include "core/session/patch_matching.h"
 #include "core/session/pinned_points.h"
 
 namespace handgraft::verdict {
@@ -292,6 +293,13 @@ Verdicts verdictsOf(const session::Session& session,
   verdicts.one_sided = pressToOneSide(problem, verdicts.diagnosis);
   if (verdicts.one_sided)
     verdicts.line += "; what is reached presses to one side: nothing holds the object there";
+  // A note says so in any case; where hardly anything fits it is the first that one must know.
+  if (2 * reached < asked) {
+    if (const auto other = session::otherSideOf(session.models())) {
+      verdicts.line += fmt::format("; a {} hand touched, and this is a {} one",
+                                   nameOf(other->touched), nameOf(other->own));
+    }
+  }
   verdicts.line += remarks;
   const std::string sizes = lineOf(session, findings);
   if (!sizes.empty()) verdicts.line += "; " + sizes;

@@ -42,7 +42,12 @@ void requireSendable(const char* kind, const std::string& name, std::size_t byte
 v1::SegmentInfo segmentInfo(const hand::HandModel& model,
                             const hand::LinkPoses& X_SL,
                             const hand::Segment& segment) {
-  const int link = segment.links.back();
+  // Frames without a surface may follow, and say nothing of where it is.
+  const auto has_surface = [&](int link) {
+    return !model.links()[static_cast<std::size_t>(link)].surface().empty();
+  };
+  const auto body = std::find_if(segment.links.rbegin(), segment.links.rend(), has_surface);
+  const int link = body != segment.links.rend() ? *body : segment.links.back();
   v1::SegmentInfo info;
   info.name(segment.name);
   info.link(model.links()[static_cast<std::size_t>(link)].name);
@@ -74,11 +79,20 @@ void addFingers(v1::HandDescription& message, const hand::Hand& hand, bool is_mi
     message.chirality(toMessage(side));
     message.notes().push_back(fmt::format("a {} hand", nameOf(side)));
   }
-  const bool has_palm =
-      std::any_of(hand.sites.begin(), hand.sites.end(), [](const hand::ContactSite& site) {
-        return site.name == hand::kPalmPart;
-      });
-  if (!has_palm && !anatomy.palm)
+  const auto has_site = [&](const std::string& name) {
+    return std::any_of(hand.sites.begin(), hand.sites.end(),
+                       [&](const hand::ContactSite& site) {
+                         return site.name == name;
+                       });
+  };
+  for (const hand::NamedDigit& digit : anatomy.digits) {
+    if (hand.sites_are_found && !hand.sites.empty() && !has_site(digit.name))
+      message.notes().push_back(
+          fmt::format("no pad was found on its {}: a sites file beside the URDF may say where "
+                      "it touches",
+                      digit.name));
+  }
+  if (!has_site(hand::kPalmPart) && !anatomy.palm)
     message.notes().emplace_back(
         "no place of its palm is known: patches of a palm are dropped");
 }

@@ -143,6 +143,20 @@ TEST_F(ImportTest, TellsWhatNamedADigit) {
   }
 }
 
+TEST_F(ImportTest, NamesASegmentByALinkThatOneSees) {
+  std::string framed = test::clamp_urdf;
+  framed.insert(framed.find("</robot>"),
+                "<link name=\"jaw_frame\"/><joint name=\"mount\" type=\"fixed\">"
+                "<parent link=\"jaw\"/><child link=\"jaw_frame\"/>"
+                "<origin xyz=\"0 0 0.05\" rpy=\"1 0 0\"/></joint>");
+  bus.ask(test::putFile(1, "framed.urdf", framed));
+  bus.ask(test::loadModel(1, v1::MODEL_HAND, "framed", "framed.urdf"));
+  const v1::HandDescription told = describeHand("framed", true);
+  ASSERT_EQ(told.digits().size(), 1u);
+  ASSERT_FALSE(told.digits()[0].segments().empty());
+  EXPECT_EQ(told.digits()[0].segments().back().link(), "jaw");
+}
+
 TEST_F(ImportTest, DescribesAMirroredHandByAUrdfOfItsOwn) {
   // The hinge off the mirror, so that the other hand is another one.
   std::string urdf = test::clamp_urdf;

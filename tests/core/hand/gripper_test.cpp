@@ -142,6 +142,75 @@ TEST(Gripper, HasJawsThatSlide) {
   expectJaws(model, {"jaw_1", "jaw_2"}, 1);
 }
 
+TEST(Gripper, HasJawsOnLongRacks) {
+  HandModel model = handOfText("racks", [] {
+    std::string links = boxLink("base", "0.12 0.05 0.06", "0 0 -0.03");
+    for (const bool is_left : {true, false}) {
+      const std::string side = is_left ? "left" : "right";
+      const double x = is_left ? 1.0 : -1.0;
+      // Longer along its slide than the jaw that is fixed to it stands out.
+      links += boxLink(side + "_rack", "0.08 0.008 0.01", fmt::format("{} 0 0", -0.02 * x));
+      links += boxLink(side + "_jaw", "0.01 0.02 0.04", "0 0 0.02");
+      links += joint({is_left ? "drive" : "drive_2", "prismatic", "base", side + "_rack",
+                      fmt::format("xyz='{} {} 0.01'", 0.04 * x, 0.012 * x),
+                      fmt::format("{} 0 0", -x), "0.03", is_left ? 0.0 : 1.0});
+      links += joint({side + "_mount", "fixed", side + "_rack", side + "_jaw",
+                      "xyz='0 0 0.005'", "0 0 1", "0", 0.0});
+    }
+    return links;
+  }());
+  const Digits found = digitsOf(model);
+  ASSERT_EQ(found.digits.size(), 2U);
+  for (const Digit& digit : found.digits)
+    EXPECT_GT(digit.outward.z(), 0.95) << digit.outward.transpose();
+  expectJaws(model, {"left_jaw", "right_jaw"}, 0);
+}
+
+TEST(Gripper, HasJawsThatAreShutWhereTheirJointsAreZero) {
+  std::string links = boxLink("base", "0.07 0.05 0.06", "0 0 -0.03");
+  for (const bool is_left : {true, false}) {
+    const double x = is_left ? 1.0 : -1.0;
+    const std::string name = is_left ? "left" : "right";
+    links += boxLink(name, "0.012 0.02 0.09", fmt::format("{} 0 0.045", 0.007 * x));
+    links += joint({is_left ? "drive" : "drive_2", "revolute", "base", name,
+                    fmt::format("xyz='{} 0 0'", 0.01 * x), fmt::format("0 {} 0", x), "0.5",
+                    is_left ? 0.0 : 1.0});
+  }
+  const HandModel model = handOfText("shut", links);
+  const Digits found = digitsOf(model);
+  ASSERT_EQ(found.digits.size(), 2U);
+  for (const Digit& digit : found.digits)
+    EXPECT_LT(digit.closing.x() * digit.tip.x(), 0.0) << digit.closing.transpose();
+}
+
+TEST(Gripper, HasAJawThatForksIntoTwoPads) {
+  // One bar carries two pads that turn back, against a jaw of one; a bar guides the fork.
+  std::string links = boxLink("base", "0.07 0.08 0.06", "0 0 -0.03") +
+                      boxLink("fork", "0.012 0.07 0.05", "0 0 0.025") +
+                      boxLink("guide", "0.008 0.018 0.05", "0 0 0.025") +
+                      boxLink("bar", "0.012 0.02 0.05", "0 0 0.025");
+  links += joint({"drive", "revolute", "base", "fork", "xyz='0.045 0 0'", "0 -1 0"});
+  links += joint({"guide_joint", "revolute", "base", "guide", "xyz='0.028 0 0.004'", "0 -1 0",
+                  "0.8", 1.0});
+  for (const int side : {1, 2}) {
+    const std::string pad = fmt::format("pad_{}", side);
+    links += boxLink(pad, "0.012 0.02 0.045", "0 0 0.0225");
+    links += joint({pad + "_joint", "revolute", "fork", pad,
+                    fmt::format("xyz='0 {} 0.052'", side == 1 ? 0.032 : -0.032), "0 1 0", "0.8",
+                    1.0});
+  }
+  links +=
+      joint({"bar_joint", "revolute", "base", "bar", "xyz='-0.045 0 0'", "0 1 0", "0.8", 1.0});
+  links += boxLink("pad_3", "0.012 0.02 0.045", "0 0 0.0225");
+  links += joint(
+      {"pad_3_joint", "revolute", "bar", "pad_3", "xyz='0 0 0.052'", "0 -1 0", "0.8", 1.0});
+  const HandModel model = handOfText("forked", links);
+  const Digits found = digitsOf(model);
+  ASSERT_EQ(found.digits.size(), 3U) << "the guide is none";
+  for (const Digit& digit : found.digits)
+    EXPECT_LT(digit.closing.x() * digit.tip.x(), 0.0) << digit.closing.transpose();
+}
+
 TEST(Gripper, WearsACameraThatIsNoPalm) {
   const HandModel model = slidingGripper(
       "<link name='camera'><visual><geometry><box size='0.05 0.03 0.03'/></geometry></visual>"

@@ -137,6 +137,20 @@ TEST(PartWords, TellTheSide) {
   EXPECT_EQ(partWordsOf("lfdistal").side, "");
 }
 
+TEST(PartWords, PartASidesLetterFromWhatFollows) {
+  EXPECT_EQ(partWordsOf("LThumb1Link").digit, "thumb");
+  EXPECT_EQ(partWordsOf("LThumb1Link").side, "left");
+  EXPECT_EQ(partWordsOf("RIndexDistal").digit, "index");
+  EXPECT_EQ(partWordsOf("RIndexDistal").segment, "distal");
+  EXPECT_EQ(partWordsOf("rpinky_2").digit, "little");
+  EXPECT_EQ(partWordsOf("RFinger11").side, "right");
+  EXPECT_EQ(partWordsOf("LHand").side, "left");
+  for (const char* name : {"LFDistal", "lfdistal", "RFJ1", "rfknuckle"})
+    EXPECT_EQ(partWordsOf(name).side, "") << name;
+  for (const char* name : {"lite", "rth", "rlink_2", "large"})
+    EXPECT_EQ(partWordsOf(name).digit, "") << name;
+}
+
 TEST(PartWords, CallAMiddleAloneVague) {
   EXPECT_TRUE(partWordsOf("middle").is_vague);
   EXPECT_FALSE(partWordsOf("middle_distal").is_vague);

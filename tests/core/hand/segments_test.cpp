@@ -95,5 +95,21 @@ TEST(Segments, AThumbHasThreeBehindAStub) {
       << "a long link is a segment";
 }
 
+TEST(Segments, AStrandOfShortLinksHasThree) {
+  // Six hinges a finger, as those that a tendon pulls through.
+  const std::vector<Bone> strand{{"1", 0.013}, {"2", 0.009}, {"3", 0.013},
+                                 {"4", 0.009}, {"5", 0.013}, {"6", 0.029}};
+  for (const char* digit : {"index", "ring", "thumb"}) {
+    const std::vector<Segment> segments = segmentsIn(digit, strand, strand);
+    ASSERT_EQ(segments.size(), 3U) << digit;
+    double whole = 0.0;
+    for (const Segment& segment : segments) {
+      EXPECT_GT(segment.length(), 0.02) << digit << ' ' << segment.name;
+      whole += segment.length();
+    }
+    EXPECT_NEAR(whole, 0.086, 1e-3) << digit;
+  }
+}
+
 }  // namespace
 }  // namespace handgraft::hand

@@ -6,7 +6,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/io/contact_file.h"
+
 #include "tests/core/session/ball_grasp.h"
+#include "tests/core/session/library_models.h"
 
 namespace handgraft::verdict {
 namespace {
@@ -44,6 +47,29 @@ TEST(Verdicts, AllReachedIsSaidInOneLine) {
   EXPECT_THAT(verdicts.texts[0],
               HasSubstr(fmt::format("mean normals {:.0f} degrees apart",
                                     verdicts.diagnosis.patches[0].facing_deg)));
+}
+
+TEST(Verdicts, SayThatTheOtherHandTouchedWhereHardlyAnythingFits) {
+  const io::MeshFile file = io::readMesh(test::libraryPath("objects/box.obj"));
+  const auto box = std::make_shared<const geometry::TriangleMesh>(file.mesh);
+  contact::ContactSet contacts =
+      io::readContactSet(test::libraryPath("contacts/box_5.json"), file);
+  const auto says_so = HasSubstr("a left hand touched, and this is a right one");
+  contacts.side = hand::Chirality::kLeft;
+  session::Session session(test::handOfLibrary("human20"), box, contacts, Pose::Identity(), {});
+  EXPECT_THAT(solvedAndJudged(session).line, Not(says_so)) << "all is reached";
+  const auto shut = [](session::Session& one) {
+    const hand::HandModel& model = *one.hand().model;
+    for (int dof = 0; dof < model.dofCount(); ++dof)
+      one.apply(session::JointLimitEdit{model.dofJoint(dof).name, model.upper()[dof] - 0.01,
+                                        model.upper()[dof]});
+  };
+  shut(session);
+  EXPECT_THAT(solvedAndJudged(session).line, says_so);
+  contacts.side = hand::Chirality::kRight;
+  session::Session right(test::handOfLibrary("human20"), box, contacts, Pose::Identity(), {});
+  shut(right);
+  EXPECT_THAT(solvedAndJudged(right).line, Not(HasSubstr("hand touched")));
 }
 
 TEST(Verdicts, NameTheLimitsThatKeepAFingerOpen) {
