@@ -6,13 +6,14 @@
 
 #include "client/link/pending.h"
 #include "client/python/python_message.h"
+#include "client/python/unlocked.h"
 
 namespace handgraft::python {
 
 /// Waits without the GIL.
 template <class T>
 T await(client::Pending<T> pending) {
-  const pybind11::gil_scoped_release released;
+  const Unlocked unlocked;
   return pending.get();
 }
 

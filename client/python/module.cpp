@@ -23,6 +23,7 @@
 #include "client/python/model_functions.h"
 #include "client/python/page.h"
 #include "client/python/python_message.h"
+#include "client/python/unlocked.h"
 #include "core/base/error.h"
 
 namespace handgraft::python {
@@ -34,6 +35,7 @@ namespace {
 
 /// Lets Ctrl-C end a wait: what Python's handler raises goes through it.
 void checkSignals() {
+  if (_Py_IsFinalizing() != 0) return;  // then nobody gets the GIL any more
   const py::gil_scoped_acquire gil;
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
@@ -53,7 +55,7 @@ std::shared_ptr<client::Client> connect(int domain,
   options.absence = start ? client::Absence::kStartShared : client::Absence::kFail;
   options.waiting.checkpoint = checkSignals;
   options.on_notice = [](const std::string& /*line*/) {};
-  const py::gil_scoped_release released;
+  const Unlocked unlocked;
   return std::make_shared<client::Client>(std::move(options));
 }
 
@@ -92,14 +94,14 @@ class Demonstrator {
 
   void send(const py::dict& frame) {
     const auto message = messageOf<v1::DemonstratorFrame>(frame);
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     writer_->write(message);
   }
 
  private:
   static std::unique_ptr<client::DemonstratorWriter> released(client::Client& client,
                                                               std::uint64_t session_id) {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     return std::make_unique<client::DemonstratorWriter>(client, session_id);
   }
 
@@ -117,7 +119,7 @@ class Watch {
     const auto until =
         std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
     {
-      const py::gil_scoped_release released;
+      const Unlocked unlocked;
       while (events_.empty()) {
         stream_.take(
             [this](const v1::PoseSolution& solution) {
@@ -194,7 +196,7 @@ void defineErrors() {
 /// Page's thread is waited for.
 struct WithoutGil {
   void operator()(Page* page) const {
-    const py::gil_scoped_release released;
+    const Unlocked unlocked;
     delete page;
   }
 };
@@ -247,7 +249,7 @@ void defineServer(py::module_& module) {
       .def(
           "page_file",
           [](Client& server, std::uint64_t id, const std::string& folder) {
-            const py::gil_scoped_release released;
+            const Unlocked unlocked;
             return client::gateway::pageFile(server, id, client::gateway::readWebFiles(folder));
           },
           "session_id"_a, "folder"_a);
@@ -290,7 +292,7 @@ void defineSolving(SessionClass& session_class) {
           [](LiveSession& session, std::uint64_t revision) -> py::object {
             const v1::PoseSolution* pose = nullptr;
             {
-              const py::gil_scoped_release released;
+              const Unlocked unlocked;
               pose = session.get().awaitFinal(revision);
             }
             return pose == nullptr ? py::none() : dictOf(*pose);
@@ -299,7 +301,7 @@ void defineSolving(SessionClass& session_class) {
       .def(
           "await_diagnosed",
           [](LiveSession& session, std::uint64_t revision) {
-            const py::gil_scoped_release released;
+            const Unlocked unlocked;
             const v1::PoseSolution pose = session.get().awaitDiagnosed(revision);
             const py::gil_scoped_acquire held;
             return dictOf(pose);

@@ -115,11 +115,18 @@ TransferredMotion transferPointsByPlace(const Motion& motion,
                                         const Progress& progress) {
   TransferredMotion laid;
   std::set<std::string> lacking;
+  std::vector<std::string> dropped;
   for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
     progress.checkpoint();
     progress.report("laying points",
                     static_cast<double>(t) / static_cast<double>(motion.tracks.size()));
     const PatchTrack& track = motion.tracks[t];
+    // Its own finger may have been dealt another one's contacts.
+    if (!track.dropped.empty()) {
+      dropped.push_back(
+          fmt::format("patch {} left out: {}", quoted(track.name), track.dropped));
+      continue;
+    }
     PairTrack pairs;
     pairs.end = track.end;
     bool any = false;
@@ -149,6 +156,7 @@ TransferredMotion transferPointsByPlace(const Motion& motion,
   }
   if (laid.tracks.empty())
     rejectInput("motion {}: {}", quoted(motion.name), whyNothingIsLaid(motion, model));
+  laid.notes = std::move(dropped);
   for (const std::string& name : lacking)
     laid.notes.push_back(fmt::format(
         "points of {} left out in part or whole: this hand has no such place", quoted(name)));

@@ -19,7 +19,8 @@ TransferredMotion transferPoints(const Motion& motion,
 
 /// The same of any hand: each point at the place that its patch tells (PatchKey::patch), or
 /// where that was found to lie (PatchKey::placement), with the skin's normal there. Keys
-/// without a place, or with one that this hand lacks, are left out and noted. Errors:
+/// without a place, or with one that this hand lacks, and
+/// tracks that were dropped (PatchTrack::dropped) are left out and noted. Errors:
 /// InvalidInput if no point is left; Cancelled on wish. Cost: a look at one digit's skin a key.
 TransferredMotion transferPointsByPlace(const Motion& motion,
                                         const geometry::TriangleMesh& object_O,

@@ -308,11 +308,12 @@ EditedMotion::Base EditedMotion::solveBase(const Work& work, bool goes_on) {
     }
     solved.trajectory = solveOffline(solved.problem, options, work.progress, start, known);
   }
-  solved.notes = remarksOn(*motion_);
-  solved.notes.insert(solved.notes.end(), as_laid->laid.notes.begin(),
-                      as_laid->laid.notes.end());
-  solved.notes.insert(solved.notes.end(), solved.trajectory.notes.begin(),
-                      solved.trajectory.notes.end());
+  for (const std::vector<std::string>& notes :
+       {remarksOn(*motion_), document.notes, as_laid->laid.notes, solved.trajectory.notes}) {
+    for (const std::string& note : notes)
+      if (std::find(solved.notes.begin(), solved.notes.end(), note) == solved.notes.end())
+        solved.notes.push_back(note);
+  }
   solved.laid = {as_laid, &as_laid->motion};
   solved.depths.assign(static_cast<std::size_t>(count), {});
   measureDepths(work.hand, object_O_, {0, count}, work.threads, work.progress, solved);

@@ -207,6 +207,24 @@ def test_ctrl_c_ends_a_wait_and_the_work(domain, server):
     assert child.wait() == 0
 
 
+@pytest.mark.parametrize("end, code", [("", 0), ("raise RuntimeError('over')", 1)])
+def test_a_script_ends_beside_a_thread_that_watches(server, domain, end, code):
+    program = (
+        "import handgraft, threading, time\n"
+        f"session = handgraft.connect({domain}, start=False).open('barrett8', 'lemon', 'lemon_3')\n"
+        "def watch():\n"
+        "    for pose in session.watch(): pass\n"
+        "threading.Thread(target=watch, daemon=True).start()\n"
+        "time.sleep(0.5)  # it waits by then\n"
+        "print('over', flush=True)\n"
+        f"{end}\n"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=os.environ,
+                           timeout=120, check=False)
+    assert ended.stdout == "over\n"
+    assert ended.returncode == code, ended.stderr
+
+
 def test_a_dragged_place_is_held_until_it_is_let_go(server):
     with server.open("barrett8", "lemon", "lemon_6") as session:
         before = session.solve()

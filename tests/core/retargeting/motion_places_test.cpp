@@ -293,6 +293,35 @@ TEST_F(MotionOfPlates, PointsThatTellAPlaceLieWhereItWasFound) {
   EXPECT_EQ(pair.p_L, found.p_L);
 }
 
+// A hand of fewer fingers drops some; these must not pull at the finger of their own name,
+// which may hold another one's contacts.
+TEST_F(MotionOfPlates, PointsThatAreDroppedPullAtNoFinger) {
+  const TwoPlates plates;
+  const auto motion = std::make_shared<manipulation::Motion>(*heldTo(plates));
+  for (manipulation::PatchTrack& track : motion->tracks)
+    for (manipulation::PatchKey& key : track.keys) {
+      key.patch.interpolation_boundary.resize(1);
+      key.hand_points = {{"index_tip_of_another_hand", Eigen::Vector3d::Zero()}};
+      key.patch.place = hand::placeNamed("index_distal");
+    }
+  session::Document document = touching(plates);
+  document.notes = {"thumb's contacts go to the hand's index", "said twice", "said twice"};
+  EditedMotion all(motion, plates.plate);
+  EXPECT_EQ(solve(all, plates, document)->track_of, (std::vector<int>{0, 1}));
+  document.patches[1].placement.reset();
+  document.patches[1].dropped = "it has no such finger";
+  EditedMotion fewer(motion, plates.plate);
+  const auto solved = solve(fewer, plates, document);
+  EXPECT_EQ(solved->track_of, std::vector<int>{0});
+  const auto told = [&](const std::string& note) {
+    return std::count(solved->notes.begin(), solved->notes.end(), note);
+  };
+  EXPECT_EQ(told("patch 'index' left out: it has no such finger"), 1);
+  EXPECT_EQ(told("thumb's contacts go to the hand's index"), 1)
+      << "as the grasp's matching said";
+  EXPECT_EQ(told("said twice"), 1);
+}
+
 // Halfway between two fingers there is no finger: a patch goes from one and comes to the other.
 TEST_F(MotionOfPlates, ARootFarAwayOnTheHandFadesOutAndIn) {
   TwoPlates plates;
