@@ -23,7 +23,6 @@
 #include "client/python/model_functions.h"
 #include "client/python/page.h"
 #include "client/python/python_message.h"
-#include "client/python/unlocked.h"
 #include "core/base/error.h"
 
 namespace handgraft::python {
