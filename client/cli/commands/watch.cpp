@@ -30,8 +30,9 @@ class StreamPrinter {
       : now_(now), most_(most), as_json_(as_json) {}
 
   void print(const v1::PoseSolution& solution) {
-    // The grasp that stands for a motion says nothing of it.
-    if (hasEnough() || !now_.motion().empty()) return;
+    // The grasp that stands for a motion says nothing of it; a demonstrator's frames do.
+    const bool stands_for_motion = !now_.motion().empty() && solution.time_s().empty();
+    if (hasEnough() || stands_for_motion) return;
     if (solution.is_diagnosed()) ++seen_;
     printLine(as_json_ ? json::solutionEvent(solution, now_.joint_names())
                        : text::solutionLine(solution));

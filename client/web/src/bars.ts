@@ -2,7 +2,7 @@
 
 import { patchColor } from './colors';
 import { h } from './dom';
-import type { Motion } from './motion';
+import { kIsThere, type Motion } from './motion';
 
 const kSaid = { reached: 'reached', missed: 'not reached', off: 'off' };
 
@@ -27,9 +27,8 @@ export function barsOf(motion: Motion, isOn: (patch: string, time_s: number) => 
       begin = end;
     };
     frames.forEach((frame, at) => {
-      const patch = frame.patches.find((one) => one.patch === index);
-      const isThere = patch !== undefined && patch.presence >= 0.5;
-      const now: How = !isThere ? 'absent' : !isOn(name, frame.time_s) ? 'off' : patch.reached ? 'reached' : 'missed';
+      const patch = frame.patches.find((one) => one.patch === index && one.presence >= kIsThere);
+      const now: How = patch === undefined ? 'absent' : !isOn(name, frame.time_s) ? 'off' : patch.reached ? 'reached' : 'missed';
       if (now === how) return;
       close(at);
       how = now;

@@ -93,12 +93,13 @@ export class Head {
     document.title = isOpen ? `${state.hand} grasps ${state.object} – Handgraft` : 'Handgraft';
     title.textContent = isOpen ? `${state.hand} grasps ${state.object}` : 'Handgraft';
     title.title = isOpen ? `session ${session.id}, by ${state.motion || state.contacts}` : '';
-    const fits = solution?.patches ?? [];
+    const fits = (solution?.patches ?? []).filter((fit) => fit.diagnosis.verdict !== 'none');
     const reached = fits.filter((fit) => fit.diagnosis.verdict === 'reached').length;
     verdict.hidden = !isOpen || solution === null;
-    verdict.textContent = solution?.is_diagnosed ? `${reached} of ${fits.length} reached` : 'solving…';
+    const touches = fits.length > 0;
+    verdict.textContent = !solution?.is_diagnosed ? 'solving…' : touches ? `${reached} of ${fits.length} reached` : 'no contact';
     verdict.title = solution?.verdict ?? '';
-    verdict.dataset['tone'] = !solution?.is_diagnosed ? 'off' : reached === fits.length ? 'good' : 'warn';
+    verdict.dataset['tone'] = !solution?.is_diagnosed || !touches ? 'off' : reached === fits.length ? 'good' : 'warn';
     const others = session.pages.filter((one) => one.page !== session.page && one.sessions.includes(session.id));
     const last = state !== null && state.last_edit !== '' && session.editor !== '' ? saidBy(session.editor, state.last_edit) : '';
     people.textContent = [others.length > 0 ? `${others.length + 1} pages here` : '', last].filter((text) => text !== '').join(' · ');

@@ -7,6 +7,8 @@ import type { MotionDescription, MotionFrame, MotionFrames, Pose, PoseSolution }
 const kMostFrames = 600; // of longer motions every second, fourth, ... one is shown
 const kFine = 60; // but of those to either side of the time that is shown, by their index, all
 const kAtOnce = 60; // in one answer
+/** Presence from which on a patch is there. */
+export const kIsThere = 0.5;
 
 /** Keeps to the range [0, 1]. */
 const share = (value: number) => Math.min(1, Math.max(0, value));
@@ -173,7 +175,8 @@ export class Motion {
       joint_positions: a.joint_positions.map((q, i) => q + at * ((b.joint_positions[i] ?? q) - q)),
       X_WL: a.X_WL.map((X, i) => poseBetween(X, b.X_WL[i] ?? X, at)),
       terms: { distance_m2: 0, normal: 0, prior: 0, objective: 0 },
-      patches: a.patches.map((patch) => {
+      // A patch comes while it goes elsewhere: what is there most stands for it, from half on.
+      patches: [...a.patches].sort((one, other) => other.presence - one.presence).map((patch) => {
         const next = b.patches.find((one) => one.patch === patch.patch) ?? patch;
         return {
           name: this.description.patches[patch.patch] ?? String(patch.patch),
@@ -184,7 +187,7 @@ export class Motion {
           hand_W_m: pointsBetween(patch.hand_W_m, next.hand_W_m, at),
           object_W_m: inWorld(X_WO, pointsBetween(patch.outline_O_m, next.outline_O_m, at)),
           diagnosis: {
-            verdict: patch.reached ? 'reached' : 'out_of_reach',
+            verdict: patch.presence < kIsThere ? 'none' : patch.reached ? 'reached' : 'out_of_reach',
             text: patch.presence < 1 ? `comes or goes: ${Math.round(100 * patch.presence)} % there` : '',
           },
         };

@@ -161,7 +161,7 @@ export class PatchList {
     row.bar.style.setProperty('--length', counts ? `${Math.min(100, fit.mean_mm * 5)}%` : '0%');
     const isKnown = counts && this.session.solution?.is_diagnosed;
     const verdict = kVerdicts[isKnown ? fit.diagnosis.verdict : 'none'];
-    row.verdict.textContent = !state.placed ? '✕ no place' : !isOnNow ? '– off' : motion !== null && !counts ? '– not now' : isKnown ? `${verdict.sign} ${verdict.text}` : '…';
+    row.verdict.textContent = !state.placed ? '✕ no place' : !isOnNow ? '– off' : motion !== null && (!counts || fit.diagnosis.verdict === 'none') ? '– not now' : isKnown ? `${verdict.sign} ${verdict.text}` : '…';
     row.verdict.dataset['tone'] = !state.placed ? 'bad' : isKnown ? verdict.tone : 'off';
     row.bar.dataset['tone'] = row.verdict.dataset['tone'];
     row.element.classList.toggle('off', !counts);

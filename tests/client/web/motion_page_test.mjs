@@ -76,6 +76,21 @@ const tests = {
     await point(page, 1);
     await page.click('#to-patches');
     await page.waitForFunction(() => [...document.querySelectorAll('.patch .verdict')].filter((one) => !one.textContent.includes('not now')).length === 4, kWaiting);
+    const counted = (count) => page.waitForFunction((all) => document.querySelector('.pill').textContent.endsWith(` of ${all} reached`), kWaiting, count);
+    await counted(4);
+    // What has faded by more than half is not, nor where it is the only one.
+    const fade = async (count) => {
+      await page.evaluate((patches) => {
+        for (const frame of globalThis.handgraft.session.motion.frames)
+          for (const patch of frame.patches.slice(0, patches)) patch.presence = 0.3;
+      }, count);
+      await point(page, 0.5);
+      await point(page, 1);
+    };
+    await fade(1);
+    await counted(3);
+    await fade(5);
+    await page.waitForFunction(() => document.querySelector('.pill').textContent === 'no contact', kWaiting);
     return page;
   },
 
