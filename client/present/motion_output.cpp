@@ -153,7 +153,8 @@ std::string reachedOverTime(const MotionResult& result) {
     if (patch.frames > 0 || spansOf(result.motion, patch.name).empty()) continue;
     left_out += (left_out.empty() ? "" : ", ") + text::plain(patch.name);
   }
-  return fmt::format("{} frames touch, in {} every patch is reached{}", touching, reaching,
+  return fmt::format("{} frame{} touch{}, in {} every patch is reached{}", touching,
+                     touching == 1 ? "" : "s", touching == 1 ? "es" : "", reaching,
                      left_out.empty() ? "" : ", " + left_out + " left out");
 }
 

@@ -34,6 +34,17 @@ const json& rowIn(const json& list, const char* name, std::size_t index) {
   return list[index];
 }
 
+/// Frames whose time nobody tells would be lost without a word.
+void requireNoMore(const json& root, std::size_t frames) {
+  for (const char* name :
+       {"object_pose", "joints_W_m", "mano_pose_rad", "mano_translation_m"}) {
+    const auto list = root.find(name);
+    if (list == root.end() || list->size() <= frames) continue;
+    rejectInput("field '{}' has {} frames, more than 'time_s', which has {}", name,
+                list->size(), frames);
+  }
+}
+
 /// A list of `count` finite numbers, behind those in `numbers`.
 void append(const json& row,
             const char* name,
@@ -118,6 +129,7 @@ Demonstration demonstrationFrom(const json& root) {
     }
     demonstration.frames.push_back(std::move(frame));
   }
+  requireNoMore(root, demonstration.frames.size());
   return demonstration;
 }
 

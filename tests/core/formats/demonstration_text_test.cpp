@@ -81,6 +81,7 @@ TEST(DemonstrationText, NamesTheFieldAndTheFrame) {
   EXPECT_THAT(with("time_s", {0.0, 0.0}),
               AllOf(HasSubstr("frame 1"), HasSubstr("does not lie behind")));
   EXPECT_THAT(with("time_s", {0.0, 1.0, 2.0}), HasSubstr("fewer than 'time_s'"));
+  EXPECT_THAT(with("time_s", {0.0}), HasSubstr("more than 'time_s', which has 1"));
   EXPECT_THAT(with("object_pose", {{1, 2, 3}}), HasSubstr("a list of 7 numbers"));
   EXPECT_THAT(with("object_pose", {{1, 2, 3, 1, 0, 0, "x"}}), HasSubstr("no finite number"));
   json both = jointsOverTime();
