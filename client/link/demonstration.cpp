@@ -8,6 +8,7 @@
 #include "client/link/model_files.h"
 #include "client/link/wire_pose.h"
 #include "core/base/error.h"
+#include "core/base/side_note.h"
 #include "core/formats/demonstration_text.h"
 #include "idl/topics.h"
 
@@ -75,6 +76,17 @@ std::string noteOfAnotherObject(const Demonstration& demonstration,
       "were "
       "touched",
       quoted(demonstration.object), session.session_id(), quoted(held));
+}
+
+std::string noteOfTheOtherSide(const Demonstration& demonstration,
+                               const v1::HandDescription& hand) {
+  const auto name_of = [](v1::Chirality side) {
+    if (side == v1::CHIRALITY_UNKNOWN) return "";
+    return side == v1::CHIRALITY_LEFT ? "left" : "right";
+  };
+  if (demonstration.frames.empty()) return "";
+  return otherSideNote(name_of(demonstration.frames.front().chirality()),
+                       name_of(hand.chirality()));
 }
 
 }  // namespace handgraft::client

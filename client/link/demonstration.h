@@ -7,6 +7,7 @@
 
 #include "client/link/client.h"
 #include "idl/cyclone/participant.h"
+#include "idl/models.h"
 #include "idl/motions.h"
 #include "idl/sessions.h"
 
@@ -51,5 +52,10 @@ Demonstration readDemonstration(const std::filesystem::path& path);
 /// it: objects of the same shape have several names. Empty if it does not, or none is named.
 std::string noteOfAnotherObject(const Demonstration& demonstration,
                                 const v1::SessionState& session);
+
+/// That the hand which follows is of the other side than the demonstrator's. Empty if it is
+/// not, or if that is not known.
+std::string noteOfTheOtherSide(const Demonstration& demonstration,
+                               const v1::HandDescription& hand);
 
 }  // namespace handgraft::client

@@ -51,6 +51,8 @@ int run(const MotionFollowOptions& options,
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
   const v1::SessionState before = server.describeSession(session_id).get();
   tell(noteOfAnotherObject(demonstration, before));
+  tell(noteOfTheOtherSide(demonstration,
+                          server.describe(v1::MODEL_HAND, before.hand(), false).get().hand()));
   FollowAnswers answers(before.message());
   Listener listener;
   listener.on_solution = [&answers](const v1::PoseSolution& solution) {

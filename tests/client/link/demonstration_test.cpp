@@ -46,6 +46,16 @@ TEST(Demonstration, AModelThatWasSentIsCalledAsItsFileIs) {
   EXPECT_EQ(noteOfAnotherObject(of_mug, sessionOn("mug-0123abcd")), "");
 }
 
+TEST(Demonstration, TheOtherSideOfTheHandThatFollowsIsTold) {
+  v1::HandDescription hand;
+  const Demonstration left = demonstrationWith("\"side\": \"left\", ");
+  EXPECT_EQ(noteOfTheOtherSide(left, hand), "") << "nobody knows the hand's";
+  hand.chirality(v1::CHIRALITY_RIGHT);
+  EXPECT_THAT(noteOfTheOtherSide(left, hand),
+              HasSubstr("a left hand touched, and this is a right one"));
+  EXPECT_EQ(noteOfTheOtherSide(demonstrationWith("\"side\": \"right\", "), hand), "");
+}
+
 TEST(Demonstration, OneThatNamesNoObjectIsOfAny) {
   EXPECT_EQ(noteOfAnotherObject(demonstrationWith(""), sessionOn("box")), "");
 }
