@@ -131,7 +131,7 @@ export async function rest(page) {
       const { state, solution, settings } = session;
       return (
         !tools.isBusy && session.editing.underWay === 0 && state?.phase === 'ready' && solution?.is_diagnosed &&
-        solution.revision === state.revision && settings.state.revision === state.revision
+        solution.revision === state.revision && settings?.state.revision === state.revision
       );
     },
     kWaiting,
