@@ -20,7 +20,7 @@ async function solved(page, revision) {
       const { state, motion, settings } = session;
       return (
         !tools.isBusy && session.editing.underWay === 0 && state.phase === 'ready' && state.revision >= least && motion.revision === state.revision &&
-        motion.newest === state.revision && motion.unshaped.size === 0 && settings.state.revision === state.revision
+        motion.newest === state.revision && motion.unshaped.size === 0 && settings?.state.revision === state.revision
       );
     },
     kWaiting,
