@@ -118,14 +118,14 @@ struct AtZero {
 
 AtZero atZero(const HandModel& model,
               const LinkPoses& X_SL,
-              const LinkPoses& X_0,
+              const LinkPoses& X_HL,
               const Digit& digit) {
   const auto moved = [&](int link) {
-    return Pose(X_0[static_cast<std::size_t>(link)] *
+    return Pose(X_HL[static_cast<std::size_t>(link)] *
                 inverse(X_SL[static_cast<std::size_t>(link)]));
   };
   AtZero zero;
-  zero.base = X_0[static_cast<std::size_t>(digit.nodes.front()) + 1].translation();
+  zero.base = X_HL[static_cast<std::size_t>(digit.nodes.front()) + 1].translation();
   const Pose of_tip = moved(digit.tip_links.front());
   zero.tip = of_tip * digit.tip;
   zero.closing = of_tip.linear() * digit.closing;
@@ -138,7 +138,7 @@ AtZero atZero(const HandModel& model,
 /// Whether a finger is bent at 0 and straightens where its limits have it closed: one that is
 /// shut at 0, and opens.
 bool isShutAtZero(const HandModel& model,
-                  const LinkPoses& X_0,
+                  const LinkPoses& X_HL,
                   const Digit& digit,
                   const AtZero& zero) {
   const Eigen::Vector3d& axis = zero.flexion_axis;
@@ -149,12 +149,12 @@ bool isShutAtZero(const HandModel& model,
   double open = 0.0;
   double closed = 0.0;
   Eigen::Vector3d end = zero.tip;
-  const std::vector<Bend> bends = bendsOf(model, X_0, digit.nodes, axis);
+  const std::vector<Bend> bends = bendsOf(model, X_HL, digit.nodes, axis);
   for (std::size_t i = 0; i + 1 < bends.size(); ++i) {
     const HandModel::Node& node = model.nodes()[static_cast<std::size_t>(bends[i].node)];
-    const Eigen::Vector3d joint = X_0[static_cast<std::size_t>(node.link)].translation();
+    const Eigen::Vector3d joint = X_HL[static_cast<std::size_t>(node.link)].translation();
     const Eigen::Vector3d before =
-        in_plane(joint - X_0[static_cast<std::size_t>(bends[i + 1].node) + 1].translation());
+        in_plane(joint - X_HL[static_cast<std::size_t>(bends[i + 1].node) + 1].translation());
     const Eigen::Vector3d after = in_plane(end - joint);
     if (before.norm() < kShortBone || after.norm() < kShortBone) return false;
     end = joint;
@@ -235,33 +235,33 @@ void orientJaws(const HandModel& model, const LinkPoses& X_SL, std::vector<Digit
 /// Of all digits.
 std::vector<AtZero> atZero(const HandModel& model,
                            const LinkPoses& X_SL,
-                           const LinkPoses& X_0,
+                           const LinkPoses& X_HL,
                            const std::vector<Digit>& digits) {
   std::vector<AtZero> all;
   all.reserve(digits.size());
   for (const Digit& digit : digits)
-    all.push_back(atZero(model, X_SL, X_0, digit));
+    all.push_back(atZero(model, X_SL, X_HL, digit));
   return all;
 }
 
 LinkPoses posesAtZero(const HandModel& model) {
-  LinkPoses X_0;
-  forwardKinematics(model, Pose::Identity(), model.zeroPose(), X_0);
-  return X_0;
+  LinkPoses X_HL;
+  forwardKinematics(model, Pose::Identity(), model.zeroPose(), X_HL);
+  return X_HL;
 }
 
 }  // namespace
 
 void orientDigits(const HandModel& model, const LinkPoses& X_SL, std::vector<Digit>& digits) {
-  const LinkPoses X_0 = posesAtZero(model);
+  const LinkPoses X_HL = posesAtZero(model);
   std::vector<std::size_t> unclear;
   for (std::size_t i = 0; i < digits.size(); ++i) {
     Digit& digit = digits[i];
     const double clarity = orientFlexion(model, X_SL, digit);
     if (!digit.closing.isZero() && clarity < kClearAsymmetry) unclear.push_back(i);
-    if (isShutAtZero(model, X_0, digit, atZero(model, X_SL, X_0, digit))) turnRound(digit);
+    if (isShutAtZero(model, X_HL, digit, atZero(model, X_SL, X_HL, digit))) turnRound(digit);
   }
-  orientUnclear(unclear, atZero(model, X_SL, X_0, digits), digits);
+  orientUnclear(unclear, atZero(model, X_SL, X_HL, digits), digits);
   orientJaws(model, X_SL, digits);
 }
 

@@ -138,26 +138,8 @@ std::string hintIn(const HandModel& model, const std::vector<int>& links_from_ti
   return most == votes.end() ? "" : most->first;
 }
 
-/// `users` holds how many digits each link carries: what several share is no finger's own.
-Digit makeDigit(const HandModel& model,
-                const LinkPoses& X_SL,
-                int last_link,
-                int palm_link,
-                const std::vector<int>& users) {
-  Digit digit;
-  digit.tip_links = rigidGroupOf(model, last_link);
-  std::vector<int> named(digit.tip_links.rbegin(), digit.tip_links.rend());
-  for (const int link : pathToRoot(model, last_link)) {
-    if (link == palm_link || link == 0) break;
-    const bool is_shared = users[static_cast<std::size_t>(link)] > 1;
-    std::vector<int>& nodes = is_shared ? digit.carriers : digit.nodes;
-    if (nodeOf(model, link).type != JointType::kFixed) nodes.insert(nodes.begin(), link - 1);
-    if (link != last_link && !is_shared) named.push_back(link);
-  }
-  digit.hint = hintIn(model, named);
-  digit.base = X_SL[static_cast<std::size_t>(digit.nodes.front()) + 1].translation();
-  digit.last_joint = X_SL[static_cast<std::size_t>(last_link)].translation();
-
+/// A digit's tip, and where it points, by the surfaces that its last joint moves.
+void findTip(const HandModel& model, const LinkPoses& X_SL, int last_link, Digit& digit) {
   // What slides reaches as far as it does across its slide: a rack is no finger.
   const HandModel::Node& last = nodeOf(model, last_link);
   const auto across = [&](Eigen::Vector3d way) {
@@ -194,6 +176,29 @@ Digit makeDigit(const HandModel& model,
   // What is the same all round its slide points nowhere.
   const Eigen::Vector3d way = across(digit.tip - digit.last_joint);
   if (way.norm() > kEquallyFar * farthest) digit.outward = way.normalized();
+}
+
+/// `users` holds how many digits each link carries: what several share is no finger's own.
+Digit makeDigit(const HandModel& model,
+                const LinkPoses& X_SL,
+                int last_link,
+                int palm_link,
+                const std::vector<int>& users) {
+  Digit digit;
+  digit.tip_links = rigidGroupOf(model, last_link);
+  std::vector<int> named(digit.tip_links.rbegin(), digit.tip_links.rend());
+  for (const int link : pathToRoot(model, last_link)) {
+    if (link == palm_link || link == 0) break;
+    const bool is_shared = users[static_cast<std::size_t>(link)] > 1;
+    std::vector<int>& nodes = is_shared ? digit.carriers : digit.nodes;
+    if (nodeOf(model, link).type != JointType::kFixed) nodes.insert(nodes.begin(), link - 1);
+    if (link != last_link && !is_shared) named.push_back(link);
+  }
+  digit.hint = hintIn(model, named);
+  digit.base = X_SL[static_cast<std::size_t>(digit.nodes.front()) + 1].translation();
+  digit.last_joint = X_SL[static_cast<std::size_t>(last_link)].translation();
+
+  findTip(model, X_SL, last_link, digit);
   return digit;
 }
 
