@@ -133,6 +133,7 @@ void defineModels(ClientClass& type) {
           [](Client& server, const std::string& name, const std::string& object,
              const std::string& plan, const std::map<std::string, std::string>& texts) {
             std::vector<client::UploadFile> files;
+            files.reserve(texts.size());
             for (const auto& [uri, text] : texts)
               files.push_back({uri, {}, text});
             client::ModelFiles model = client::plannedMotion(name, plan, std::move(files));

@@ -77,6 +77,22 @@ void addTo(Block&& block, const Coupling& coupling) {
   block.diagonal().tail(coupling.others.size()) += coupling.others;
 }
 
+/// From a frame's panel what the two before it leave there.
+template <class Panel>
+void subtractFramesBefore(const Panel& panel, std::size_t k, Index columns, Index rows) {
+  for (Index first = 0; first < columns; first += kLanes) {
+    double* const own = panel(k) + first * rows + first;
+    if (k >= 1) {
+      const double* const before = panel(k - 1) + columns + first;
+      subtractProduct(before, before, own, 2 * columns - first, columns, rows);
+    }
+    if (k >= 2) {
+      const double* const before = panel(k - 2) + 2 * columns + first;
+      subtractProduct(before, before, own, columns - first, columns, rows);
+    }
+  }
+}
+
 }  // namespace
 
 BandSystem::BandSystem(std::size_t frames, int dofs)
@@ -109,17 +125,7 @@ bool BandCholesky::solve(const BandSystem& system, std::vector<Eigen::VectorXd>&
       panel(k)[pad * rows + pad] = 1.0;
     if (k + 1 < frames) addTo(block(k + 1, k), system.next[k]);
     if (k + 2 < frames) addTo(block(k + 2, k), system.after_next[k]);
-    for (Index first = 0; first < columns; first += kLanes) {
-      double* const own = panel(k) + first * rows + first;
-      if (k >= 1) {
-        const double* const before = panel(k - 1) + columns + first;
-        subtractProduct(before, before, own, 2 * columns - first, columns, rows);
-      }
-      if (k >= 2) {
-        const double* const before = panel(k - 2) + 2 * columns + first;
-        subtractProduct(before, before, own, columns - first, columns, rows);
-      }
-    }
+    subtractFramesBefore(panel, k, columns, rows);
     if (!factorise(panel(k), columns, rows)) return false;
     if (k >= 1) solution[k].noalias() -= block(k, k - 1) * solution[k - 1];
     if (k >= 2) solution[k].noalias() -= block(k, k - 2) * solution[k - 2];

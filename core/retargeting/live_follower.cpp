@@ -410,6 +410,26 @@ optimize::PoseProblem LiveFollower::problemTo(const hand::HandPose& goal_O) cons
   return single;
 }
 
+/// Which parts touch now; of what comes and goes no more than `fade` in this frame.
+std::vector<char> LiveFollower::comeAndGo(
+    const std::vector<manipulation::DetectedContact>& touches, double fade) {
+  std::vector<char> is_there(parts_.size(), 0);
+  for (const manipulation::DetectedContact& touch : touches) {
+    const auto at = static_cast<std::size_t>(touch.part);
+    if (at >= parts_.size()) {
+      parts_.resize(at + 1);
+      is_there.resize(at + 1, 0);
+    }
+    is_there[at] = 1;
+    meet(touch);
+  }
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const double goal = is_there[i];
+    parts_[i].presence += std::clamp(goal - parts_[i].presence, -fade, fade);
+  }
+  return is_there;
+}
+
 std::optional<LiveFollower::Answer> LiveFollower::follow(
     double time_s,
     const Pose& X_WO,
@@ -427,20 +447,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   const double fade = options_.fade.seconds > 0.0 && !paused
                           ? std::max(0.0, step_s) / options_.fade.seconds
                           : 1.0;
-  std::vector<char> is_there(parts_.size(), 0);
-  for (const manipulation::DetectedContact& touch : touches) {
-    const auto at = static_cast<std::size_t>(touch.part);
-    if (at >= parts_.size()) {
-      parts_.resize(at + 1);
-      is_there.resize(at + 1, 0);
-    }
-    is_there[at] = 1;
-    meet(touch);
-  }
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const double goal = is_there[i];
-    parts_[i].presence += std::clamp(goal - parts_[i].presence, -fade, fade);
-  }
+  const std::vector<char> is_there = comeAndGo(touches, fade);
 
   // === The pose
   const bool begins = !last_O_;

@@ -109,7 +109,7 @@ class LiveFollower {
     int around = 0;
     int across = 0;
 
-    auto operator<=>(const PlaceKey&) const = default;
+    auto operator<=>(const PlaceKey&) const = default;  // NOLINT(modernize-use-nullptr): its 0
   };
 
   /// How well the hand shows what touches now.
@@ -124,10 +124,12 @@ class LiveFollower {
 
   void requireLater(double time_s) const;
   [[nodiscard]] bool jumps(const manipulation::DemonstratedFrame& frame) const;
+  std::vector<char> comeAndGo(const std::vector<manipulation::DetectedContact>& touches,
+                              double fade);
   void meet(const manipulation::DetectedContact& touch);
   void slide(double share);
   void meetAnew();
-  [[nodiscard]] optimize::PointPair pairOf(std::size_t part) const;
+  [[nodiscard]] optimize::PointPair pairOf(std::size_t index) const;
   std::optional<hand::LinkPoint> spotOf(const manipulation::DetectedContact& touch);
   [[nodiscard]] optimize::PoseProblem problemNow() const;
   [[nodiscard]] optimize::PoseProblem problemTo(const hand::HandPose& goal_O) const;
