@@ -8,9 +8,6 @@ namespace handgraft::hand {
 
 namespace {
 
-/// Joints whose axis leans less than this from the last one's bend the finger the same way.
-constexpr double kParallelCosine = 0.8;
-
 /// Share of the range by which one side must outweigh the other to call it the closing side.
 constexpr double kClearAsymmetry = 0.1;
 
@@ -57,8 +54,7 @@ std::vector<Bend> bendsOf(const HandModel& model,
     if (node.type != JointType::kRevolute) continue;
     const double cosine =
         flexion_axis.dot(X_SL[static_cast<std::size_t>(node.link)].linear() * node.axis_J);
-    if (std::abs(cosine) > kParallelCosine)
-      bends.push_back({*index, cosine > 0.0 ? 1.0 : -1.0});
+    if (std::abs(cosine) > kBendAlike) bends.push_back({*index, cosine > 0.0 ? 1.0 : -1.0});
   }
   return bends;
 }

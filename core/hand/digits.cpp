@@ -36,9 +36,6 @@ constexpr double kEquallyFar = 1e-3;
 /// What is smaller is no fingertip.
 constexpr double kSmallestTip = 0.005;  // m
 
-/// Axes that lean less than this from each other bend the same way.
-constexpr double kParallelCosine = 0.8;
-
 /// m; a bar of a mechanism lies so near the plane in which its finger moves.
 constexpr double kInPlane = 0.008;  // m
 
@@ -61,7 +58,8 @@ bool hasBody(const Link& link) {
   const std::vector<Shape>& shapes = link.surface();
   return std::any_of(shapes.begin(), shapes.end(), [](const Shape& shape) {
     const auto& p_L = shape.mesh_L.vertices();
-    return (p_L.rowwise().maxCoeff() - p_L.rowwise().minCoeff()).maxCoeff() > kSmallestTip;
+    return p_L.cols() > 0 &&
+           (p_L.rowwise().maxCoeff() - p_L.rowwise().minCoeff()).maxCoeff() > kSmallestTip;
   });
 }
 
@@ -221,7 +219,7 @@ bool isBarOf(const HandModel& model,
   const Eigen::Vector3d base =
       forks ? X_SL[static_cast<std::size_t>(finger.carriers.front()) + 1].translation()
             : finger.base;
-  return std::abs(bar.flexion_axis.dot(axis)) > kParallelCosine &&
+  return std::abs(bar.flexion_axis.dot(axis)) > kBendAlike &&
          bar.closing.dot(finger.closing) > 0.0 &&
          std::abs((bar.base - base).dot(axis)) < kInPlane &&
          (forks || std::abs((bar.tip - finger.tip).dot(axis)) < kInPlane) &&
