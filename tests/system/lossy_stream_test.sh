@@ -16,7 +16,7 @@ tidy() { ip netns del "$name" 2>/dev/null; }
 trap tidy EXIT
 command -v nft >/dev/null || { echo "there is no nft (Debian: nftables)"; exit 77; }
 ip netns add "$name" || { echo "network namespaces cannot be made"; exit 77; }
-ip -n "$name" link set lo up || exit 77
+ip -n "$name" link set lo up || { echo "a namespace has no loopback here"; exit 77; }
 ip netns exec "$name" nft -f - <<'RULES' || { echo "no filters here"; exit 77; }
 table inet loss {
   chain out {
