@@ -23,6 +23,7 @@
 #include "core/session/session.h"
 
 #include "tests/bench/chain_pair.h"
+#include "tests/bench/hand_import.h"
 #include "tests/bench/motions/live_motions.h"
 #include "tests/bench/motions/mjcf_hand.h"
 #include "tests/bench/retargeting/fingertips.h"
@@ -283,25 +284,33 @@ void follow(const HumanSequence& sequence,
   });
 }
 
+std::vector<fs::path> usualHands(const fs::path& data,
+                                 const fs::path& library,
+                                 HumanWays ways) {
+  std::vector<fs::path> urdfs = {data / "hands/allegro_right/allegro_hand_right.urdf",
+                                 data / "hands/shadow_right/shadow_hand_right.urdf"};
+  if (ways == HumanWays::kLive)
+    for (const char* urdf : {"hands/barrett_bhand/bhand_model.urdf",
+                             "hands/human_hand_graspit20/human_hand_graspit20.urdf",
+                             "hands/mia_hand_right/mia_hand_description/urdf/mia_hand.urdf"})
+      urdfs.push_back(data / urdf);
+  if (!library.empty()) urdfs.push_back(library / "hands/human20/human20.urdf");
+  return urdfs;
+}
+
 }  // namespace
 
 void runHumanMotions(const fs::path& data,
                      const fs::path& library,
                      const fs::path& cache,
-                     HumanWays ways) {
+                     HumanWays ways,
+                     const fs::path& folder) {
   const hand::Hand human = readHuman(data / "contacts/grab_sequences", cache);
   const Fingertips tips = fingertipsOf(human);
   std::vector<hand::Hand> hands;
-  for (const char* urdf : {"hands/allegro_right/allegro_hand_right.urdf",
-                           "hands/shadow_right/shadow_hand_right.urdf"})
-    hands.push_back(readHand(data / urdf, cache));
-  if (ways == HumanWays::kLive)
-    for (const char* urdf : {"hands/barrett_bhand/bhand_model.urdf",
-                             "hands/human_hand_graspit20/human_hand_graspit20.urdf",
-                             "hands/mia_hand_right/mia_hand_description/urdf/mia_hand.urdf"})
-      hands.push_back(readHand(data / urdf, cache));
-  if (!library.empty())
-    hands.push_back(readHand(library / "hands/human20/human20.urdf", cache));
+  for (const fs::path& urdf :
+       folder.empty() ? usualHands(data, library, ways) : urdfsIn({folder.string()}))
+    hands.push_back(readHand(urdf, cache));
   std::vector<HumanSequence> sequences;
   for (const RecordedHuman& one : kRecorded)
     sequences.push_back(readSequence(data, human, one.name, one.object));

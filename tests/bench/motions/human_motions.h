@@ -17,10 +17,12 @@ enum class HumanWays {
 /// The human's hand is posed by its recorded splines, and its areas are cut as
 /// session::motionOfPosedHand does. All three ways are measured by the same correspondences.
 /// `data`: as for `motions`; `library`: the built-in models, of which human20 follows, too;
-/// empty: it does not. Errors: InvalidInput naming what cannot be read.
+/// empty: it does not. `folder`: hands to follow
+/// instead; empty: those of the data. Errors: InvalidInput naming what cannot be read.
 void runHumanMotions(const std::filesystem::path& data,
                      const std::filesystem::path& library,
                      const std::filesystem::path& cache,
-                     HumanWays ways);
+                     HumanWays ways,
+                     const std::filesystem::path& folder);
 
 }  // namespace handgraft::bench

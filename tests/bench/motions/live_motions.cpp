@@ -25,6 +25,11 @@ struct LiveFigures {
   double deepest_m = 0.0;
   int past = 0;
   double largest_step = 0.0;
+  /// How often the hand set out for another pose about the object, how long it was on its
+  /// way, and how far that took it.
+  int ways = 0;
+  int frames_led = 0;
+  double led_m = 0.0;
   std::vector<double> ms;
 
   void add(const retargeting::LiveFollower::Answer& answer) {
@@ -46,8 +51,9 @@ struct LiveFigures {
 void printLiveHeading() {
   std::printf(
       "| sequence | hand | frames answered | touches reached %% | mean mm | facing deg | "
-      "deepest mm | frames past 2 mm | largest step rad | first ms | ms p50 | ms p99 |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "deepest mm | frames past 2 mm | largest step rad | led | frames | mm | first ms | "
+      "ms p50 | ms p99 |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 }
 
 void printLive(const contact::ContactSet& contacts,
@@ -60,6 +66,8 @@ void printLive(const contact::ContactSet& contacts,
   retargeting::LiveFollower follower(session.document(), hand, object_O, Progress());
   LiveFigures figures;
   std::optional<Eigen::VectorXd> before;
+  std::optional<Eigen::Vector3d> p_OH;
+  bool was_led = false;
   for (const demonstration::PosedFrame& frame : frames) {
     const double begin = threadMilliseconds();
     const auto answer =
@@ -74,16 +82,26 @@ void printLive(const contact::ContactSet& contacts,
           std::max(figures.largest_step, (answer->pose.q - *before).cwiseAbs().maxCoeff());
     }
     before = answer->pose.q;
+    const Eigen::Vector3d now = inverse(frame.X_WO) * answer->pose.X_WH.translation();
+    if (answer->is_on_its_way) {
+      figures.ways += was_led ? 0 : 1;
+      ++figures.frames_led;
+      if (p_OH) figures.led_m += (now - *p_OH).norm();
+    }
+    was_led = answer->is_on_its_way;
+    p_OH = now;
   }
   const double first = figures.ms.empty() ? 0.0 : figures.ms.front();
   if (!figures.ms.empty()) figures.ms.erase(figures.ms.begin());
   const double places = std::max(1, figures.places);
   std::printf(
-      "| %s | %s | %d of %zu | %.1f | %.2f | %.1f | %.2f | %d | %.3f | %.0f | %.2f | %.2f |\n",
+      "| %s | %s | %d of %zu | %.1f | %.2f | %.1f | %.2f | %d | %.3f | %d | %d | %.0f | "
+      "%.0f | %.2f | %.2f |\n",
       contacts.name.c_str(), hand.model->name().c_str(), figures.answered, frames.size(),
       100.0 * figures.reached / std::max(1, figures.touches), figures.sum_mm / places,
       figures.sum_deg / places, 1e3 * figures.deepest_m, figures.past, figures.largest_step,
-      first, quantile(figures.ms, 0.5), quantile(figures.ms, 0.99));
+      figures.ways, figures.frames_led, 1e3 * figures.led_m, first, quantile(figures.ms, 0.5),
+      quantile(figures.ms, 0.99));
   std::fflush(stdout);
 }
 

@@ -53,6 +53,7 @@ struct MotionsArguments {
   bool no_baselines = false;
   bool human = false;
   bool live = false;
+  std::string hands;
 };
 
 /// A recorded sequence laid onto the hand that it was made for.
@@ -326,7 +327,8 @@ void runMotions(const MotionsArguments& arguments) {
     runHumanMotions(arguments.data, arguments.library, arguments.cache,
                     arguments.live           ? HumanWays::kLive
                     : arguments.no_baselines ? HumanWays::kContacts
-                                             : HumanWays::kAll);
+                                             : HumanWays::kAll,
+                    arguments.hands);
     return;
   }
   if (!arguments.library.empty()) {
@@ -395,6 +397,10 @@ void addMotionsCommand(CLI::App& app) {
       ->needs(human);
   command
       ->add_flag("--live", arguments->live, "With --human: frame by frame as they come alone")
+      ->needs(human);
+  command
+      ->add_option("--hands", arguments->hands,
+                   "With --human: by every hand of this folder instead")
       ->needs(human);
   command->add_flag("--offline", arguments->offline_only, "All frames at once alone");
   command->add_option(
