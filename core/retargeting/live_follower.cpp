@@ -17,18 +17,15 @@ namespace handgraft::retargeting {
 
 namespace {
 
-constexpr double kLivePause = 0.25;  // s
-// Faster than that, beside the wrist, no joint of a hand goes; noise comes on top.
-constexpr double kFastestJoint = 2.5;  // m/s
-constexpr double kJointNoise = 0.005;  // m
-constexpr int kMostJumps = 2;          // in a row; then it is where the hand is
 // Of a link on its way: little, so that what is in the way keeps it off.
 constexpr double kWayWeight = 4.0;
 // Lost is a hand that is so far off, for so long; what is found must be nearer by this factor.
-constexpr double kLost = 0.012;       // m, on average over the touches
-constexpr double kLostFor = 0.25;     // s
-constexpr double kSearchEvery = 0.5;  // s
+constexpr double kLost = 0.012;  // m, on average over the touches
 constexpr double kBetter = 0.6;
+// Fingers dealt in another way must leave so much less unshown to be worth the way there.
+constexpr double kServesMore = 0.75;
+// A touch so far off is trusted by half.
+constexpr double kHalfTrust = 0.0125;  // m
 // Places yield to where the hand shows a touch like a spring.
 constexpr double kSlideShare = 0.95;
 constexpr double kSlideTime = 0.05;      // s
@@ -43,6 +40,12 @@ std::vector<std::string> digitsOf(const std::vector<manipulation::DetectedContac
   for (const manipulation::DetectedContact& touch : touches)
     if (touch.place.digit != hand::kPalmPart) digits.push_back(touch.place.digit);
   return session::inOrder(std::move(digits));
+}
+
+/// In a touch that the hand is so far from showing (Cauchy's weight).
+double trustIn(double distance) {
+  const double share = distance / kHalfTrust;
+  return 1.0 / (1.0 + share * share);
 }
 
 }  // namespace
@@ -140,10 +143,7 @@ void LiveFollower::meet(const manipulation::DetectedContact& touch) {
   TouchingPart& part = parts_[static_cast<std::size_t>(touch.part)];
   const std::optional<hand::LinkPoint> spot = spotOf(touch);
   const bool is_same_link = spot && part.meant && spot->link == part.meant->link;
-  if (!is_same_link || part.presence == 0.0) {
-    part.slide_L.setZero();
-    part.turn_L.setZero();
-  }
+  if (!is_same_link || part.presence == 0.0) part.forget();
   part.digit = touch.place.digit;
   part.meant = spot;
   part.p_O = positionOf(*object_O_, touch.point_O);
@@ -154,10 +154,8 @@ void LiveFollower::meet(const manipulation::DetectedContact& touch) {
 void LiveFollower::meetAnew() {
   for (const manipulation::DetectedContact& touch : seen_)
     meet(touch);
-  for (TouchingPart& part : parts_) {
-    part.slide_L.setZero();
-    part.turn_L.setZero();
-  }
+  for (TouchingPart& part : parts_)
+    part.forget();
 }
 
 /// By short searches, from where the hand is: as sessions deal, which look longer. Of ways that
@@ -171,7 +169,7 @@ void LiveFollower::dealAnew(const std::vector<contact::PartDirection>& posture,
   for (const contact::PartDirection& part : posture)
     if (const auto place = hand::placeNamed(part.part)) digits.push_back(place->digit);
   const session::Dealing* best = nullptr;
-  std::tuple<int, int, std::ptrdiff_t, double> least;
+  std::tuple<long, int, std::ptrdiff_t, double> least;
   for (const session::Dealing& way : ways) {
     if (ways.size() == 1) break;
     fingers_.choose(way, touching);
@@ -183,7 +181,7 @@ void LiveFollower::dealAnew(const std::vector<contact::PartDirection>& posture,
     const std::ptrdiff_t renamed = std::count_if(way.begin(), way.end(), [](const auto& dealt) {
       return dealt.first != dealt.second;
     });
-    const std::tuple lack(now.missed,
+    const std::tuple lack(std::lround(now.lack),
                           -session::neighboursServed(coordinates_.anatomy(), digits, way),
                           renamed, now.distance);
     if (best != nullptr && lack >= least) continue;
@@ -204,12 +202,27 @@ void LiveFollower::takeFingers() {
   fingers_.take(touching, present);
 }
 
+Eigen::Vector3d LiveFollower::TouchingPart::shown_L() const {
+  return meant->p_L + kSlideShare * slide_L;
+}
+
+void LiveFollower::TouchingPart::forget() {
+  slide_L.setZero();
+  turn_L.setZero();
+  trust = 1.0;
+}
+
+/// Places to where the hand shows what is touched, and trust to what it shows.
 void LiveFollower::slide(double share) {
   const hand::LinkPoses X_SO = hand_.skin->fromWorld(*hand_.model, *last_O_);
+  hand::LinkPoses X_OL;
+  hand::forwardKinematics(*hand_.model, last_O_->X_WH, last_O_->q, X_OL);
   std::vector<char> permitted(hand_.model->links().size(), 0);
   for (TouchingPart& part : parts_) {
     if (!part.meant || part.presence <= 0.0) continue;
     const auto link = static_cast<std::size_t>(part.meant->link);
+    const double distance = (X_OL[link] * part.shown_L() - part.p_O).norm();
+    part.trust += share * (trustIn(distance) - part.trust);
     permitted[link] = 1;
     const auto shown_S = placement::rootShownBy(*faces_, X_SO, permitted, part.p_O, part.n_O);
     permitted[link] = 0;
@@ -224,11 +237,12 @@ optimize::PointPair LiveFollower::pairOf(std::size_t index) const {
   const TouchingPart& part = parts_[index];
   optimize::PointPair pair;
   pair.link = part.meant->link;
-  pair.p_L = part.meant->p_L + kSlideShare * part.slide_L;
+  pair.p_L = part.shown_L();
   pair.n_L = (part.meant->n_L + kSlideShare * part.turn_L).normalized();
   pair.p_W = part.p_O;  // the object's frame is the solver's world
   pair.n_W = part.n_O;
-  pair.weight = part.presence * contact::kDefaultInterpolationCount;  // it stands for a region
+  // It stands for a region.
+  pair.weight = part.presence * part.trust * contact::kDefaultInterpolationCount;
   pair.patch = static_cast<int>(index);
   return pair;
 }
@@ -279,30 +293,16 @@ void LiveFollower::requireLater(double time_s) const {
 std::optional<LiveFollower::Answer> LiveFollower::follow(
     const manipulation::DemonstratedFrame& frame, const Progress& progress) {
   requireLater(frame.time_s);
-  if (jumps(frame)) {
-    ++jumped_;
-    return follow(frame.time_s, frame.X_WO, seen_, manipulation::postureOf(*steady_), progress);
+  if (const manipulation::DemonstratedFrame* steady = glitches_.steadyBefore(frame)) {
+    return follow(frame.time_s, frame.X_WO, seen_, manipulation::postureOf(*steady), progress);
   }
   const std::vector<manipulation::DetectedContact> touches = tracker_.see(frame);
-  steady_ = frame;
-  jumped_ = 0;
+  glitches_.takeSteady(frame);
   return follow(frame.time_s, frame.X_WO, touches, manipulation::postureOf(frame), progress);
-}
-
-bool LiveFollower::jumps(const manipulation::DemonstratedFrame& frame) const {
-  // What is not finite is for the tracker to refuse.
-  if (!steady_ || jumped_ >= kMostJumps || !frame.joints_W.allFinite()) return false;
-  const double step_s = frame.time_s - steady_->time_s;
-  if (step_s <= 0.0 || step_s > kLivePause) return false;
-  const hand::JointPlaces now = frame.joints_W.colwise() - frame.joints_W.col(0);
-  const hand::JointPlaces before = steady_->joints_W.colwise() - steady_->joints_W.col(0);
-  const double farthest = (now - before).colwise().norm().maxCoeff();
-  return farthest > kFastestJoint * step_s + kJointNoise;
 }
 
 bool LiveFollower::begin(const std::vector<contact::PartDirection>& posture,
                          const Progress& progress) {
-  if (touches() < kTouchesToBegin) return false;
   Attempt attempt(*this);
   dealAnew(posture, progress);
   if (problemNow().pairs.empty()) return false;
@@ -343,11 +343,11 @@ void LiveFollower::search(const std::vector<contact::PartDirection>& posture,
 LiveFollower::Standing LiveFollower::standing() const {
   Standing standing;
   const std::vector<PartFit> fits = fitsOf(seen_, Pose::Identity());
-  standing.missed = static_cast<int>(seen_.size() - fits.size());
+  standing.lack = static_cast<double>(seen_.size() - fits.size());
   double sum_mm = 0.0;
   for (const PartFit& fit : fits) {
     if (parts_[static_cast<std::size_t>(fit.part)].presence < 1.0) continue;
-    standing.missed += fit.reached ? 0 : 1;
+    standing.lack += 1.0 - trustIn(1e-3 * fit.distance_mm);
     sum_mm += fit.distance_mm;
     ++standing.shown;
   }
@@ -365,10 +365,9 @@ void LiveFollower::lookAnew(double time_s,
   const bool is_lost = may_begin && before.distance > kLost;
   const bool is_unserved =
       may_begin && fingers_.lacksOneFor(touching) && !fingers_.isChosenFor(touching);
-  lost_s_ = is_lost ? lost_s_ + step_s : 0.0;
-  unserved_s_ = is_unserved ? unserved_s_ + step_s : 0.0;
-  if (way_ || std::max(lost_s_, unserved_s_) < kLostFor || time_s < search_from_s_) return;
-  search_from_s_ = time_s + kSearchEvery;
+  searches_.see(step_s, is_lost, is_unserved);
+  if (!fingers_.isChosenFor(touching)) searches_.touchesChanged();
+  if (way_ || !searches_.isDue(time_s)) return;
   const session::Dealing dealing = fingers_.dealing();
   const hand::HandPose here_O = *last_O_;
   {
@@ -380,17 +379,19 @@ void LiveFollower::lookAnew(double time_s,
     }
     search(posture, Search::full(), progress);
     const Standing after = standing();
-    const bool serves_more = fingers_.dealing() != dealing && after.missed < before.missed;
+    const bool serves_more =
+        fingers_.dealing() != dealing && after.lack < kServesMore * before.lack;
     const bool is_nearer =
         after.shown >= before.shown && after.distance < kBetter * before.distance;
     if (serves_more || is_nearer) {
       attempt.keep();
       way_.emplace(here_O, *last_O_, middle_O_, time_s);
-      search_from_s_ += way_->end() - time_s;
+      searches_.found(way_->end());
       last_O_ = here_O;
       return;
     }
   }
+  searches_.foundNothing(time_s);
   fingers_.choose(dealing, touching);  // nothing better is known
 }
 
@@ -454,12 +455,12 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   if (begins) {
     for (std::size_t i = 0; i < parts_.size(); ++i)
       parts_[i].presence = is_there[i];
-    if (!begin(posture, progress)) return std::nullopt;
+    if (!beginning_.isDue(time_s, this->touches()) || !begin(posture, progress))
+      return std::nullopt;
     solver_.begin(*last_O_);
   } else if (paused) {
     solver_.begin(*last_O_);
-    lost_s_ = unserved_s_ = 0.0;
-    search_from_s_ = time_s;
+    searches_.beginAnew(time_s);
   }
   if (!paused) lookAnew(time_s, step_s, posture, progress);
   // Of frames that are far apart in several steps: places follow the hand, and it them.

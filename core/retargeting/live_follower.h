@@ -13,7 +13,10 @@
 #include "core/optimize/solve_report.h"
 #include "core/placement/open_roots.h"
 #include "core/quality/penetration.h"
+#include "core/retargeting/live_beginning.h"
 #include "core/retargeting/live_fingers.h"
+#include "core/retargeting/live_glitches.h"
+#include "core/retargeting/live_searches.h"
 #include "core/retargeting/live_way.h"
 #include "core/retargeting/motion_solving.h"
 #include "core/session/document.h"
@@ -25,22 +28,25 @@ namespace handgraft::retargeting {
 /// demonstrator's hand touch the object, the same parts of this hand do (ContactTracker), by
 /// the causal solver, within limits and out of the object. Touches come and go within 60 ms.
 /// A hand of other proportions cannot show all of them where they are meant: places yield,
-/// along the link that they are on, to where the hand shows the touch. Where the hand lacks a
-/// finger that touches, they are dealt out anew (session/dealing.h).
+/// along the link that they are on, to where the hand shows the touch, and touches that it
+/// cannot show, to those that it can: each weighs 1 / (1 + (d / 12.5 mm)^2), d how far off it
+/// is (Cauchy's weight). Where the hand lacks a finger that touches, they are dealt out anew
+/// (session/dealing.h).
 ///
 /// A hand that is 12 mm off on average for a quarter of a second is lost: it is searched in the
 /// same way again, and where that is nearer by far it goes there, about the object, in 0.8 s at
 /// most. So it is where a finger has touched for as long and none of the hand's shows it.
 ///
-/// It begins with the first frame that touches with three parts: the best pose of that frame
-/// alone, from many starts, where these leave it open held as the demonstrator's hand is. After
+/// It begins when three parts or more touch and no more come (LiveBeginning): the best pose of
+/// that frame alone, from many starts, where these leave it open held as the demonstrator's
+/// hand is. After
 /// a pause of 0.25 s, or where time has run backwards by as much, it goes on from where the
 /// hand is, at rest. One frame or two in which a joint jumps as no finger moves are passed
 /// over: what touched before them touches still. Deterministic. Cost: some tenths of a
 /// millisecond a frame, tens of milliseconds once.
 class LiveFollower {
  public:
-  static constexpr int kTouchesToBegin = 3;
+  static constexpr int kTouchesToBegin = LiveBeginning::kTouchesToBegin;
 
   /// What counts of the document: as in solveMotion, but for what it says of patches.
   /// Errors: Cancelled on wish.
@@ -99,6 +105,10 @@ class LiveFollower {
     /// From there to where the hand shows the touch, on the same link.
     Eigen::Vector3d slide_L = Eigen::Vector3d::Zero();
     Eigen::Vector3d turn_L = Eigen::Vector3d::Zero();
+    double trust = 1.0;  ///< less, the farther the hand is from showing it
+
+    [[nodiscard]] Eigen::Vector3d shown_L() const;  ///< of a part that has a place
+    void forget();                                  ///< how it was shown
   };
 
   /// A part's place as it is kept for later frames, rounded to what a hand's skin tells apart.
@@ -114,7 +124,7 @@ class LiveFollower {
 
   /// How well the hand shows what touches now.
   struct Standing {
-    int missed = 0;         ///< touches, of fingers that it lacks as well
+    double lack = 0.0;      ///< of touches: 1 - trust of each, of fingers that it lacks 1
     int shown = 0;          ///< touches that have a place on the hand
     double distance = 0.0;  ///< m, on average over those
   };
@@ -123,7 +133,6 @@ class LiveFollower {
   struct Search;
 
   void requireLater(double time_s) const;
-  [[nodiscard]] bool jumps(const manipulation::DemonstratedFrame& frame) const;
   std::vector<char> comeAndGo(const std::vector<manipulation::DetectedContact>& touches,
                               double fade);
   void meet(const manipulation::DetectedContact& touch);
@@ -160,15 +169,12 @@ class LiveFollower {
   LiveFingers fingers_;
   std::vector<manipulation::DetectedContact> seen_;  // in the last frame
   std::map<PlaceKey, std::optional<hand::LinkPoint>> spots_;
-  /// The last frame that did not jump, and how many have since.
-  std::optional<manipulation::DemonstratedFrame> steady_;
-  int jumped_ = 0;
+  LiveGlitches glitches_;
   std::optional<double> last_s_;
   std::optional<hand::HandPose> last_O_;  // once it has begun
-  double lost_s_ = 0.0;                   // how long it has missed what is touched
-  double unserved_s_ = 0.0;               // how long a finger has touched that none shows
-  double search_from_s_ = 0.0;            // not searched again before
-  std::optional<LiveWay> way_;            // to a better pose that was found far from the hand
+  LiveBeginning beginning_;
+  LiveSearches searches_;
+  std::optional<LiveWay> way_;  // to a better pose that was found far from the hand
 };
 
 }  // namespace handgraft::retargeting

@@ -99,7 +99,7 @@ class Demonstrator:
     Each frame tells where the demonstrator's hand and the object are; the server finds where they touch and
     answers by a pose, which `Session.watch` and all other watchers see, too. `Pose.time_s` tells of which frame,
     `Pose.patches` how the hand meets each part that touches now (``index_tip``, ``palm_1``), `Pose.depth` how deep it is.
-    It begins once the demonstrator touches the object with three parts of the hand. A session follows one
+    It begins once the demonstrator touches the object with three parts of the hand and no more come. A session follows one
     demonstrator at a time.
     """
 

@@ -74,7 +74,11 @@ void printLive(const contact::ContactSet& contacts,
         follower.follow(frame.time_s, frame.X_WO, tracker.see(frame.pose, frame.X_WO),
                         tracker.postureOf(frame.pose, frame.X_WO), Progress());
     const double ms = threadMilliseconds() - begin;
-    if (!answer) continue;
+    if (!answer) {
+      if (follower.touches() >= retargeting::LiveFollower::kTouchesToBegin)
+        figures.touches += follower.touches();
+      continue;
+    }
     figures.ms.push_back(ms);
     figures.add(*answer);
     if (before) {

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/pose.h"
 #include "core/demonstration/posed_hand_tracker.h"
+#include "core/geometry/surface_locator.h"
 #include "core/session/session.h"
 
 #include "tests/core/session/ball_grasp.h"
@@ -85,6 +86,27 @@ TEST_F(LiveFollowing, BeginsWithTheFirstTouchAndIsTheSameAgain) {
   }
   ASSERT_GT(ways[0].size(), 10u);
   EXPECT_EQ(ways[0], ways[1]);
+}
+
+// As people close their hands: part by part within a tenth of a second.
+TEST_F(LiveFollowing, BeginsWhenNoMoreTouchesCome) {
+  const auto follower = this->follower();
+  manipulation::ContactTracker tracker(*grasp.ball);
+  std::optional<LiveFollower::Answer> first;
+  int frames = 0;
+  std::size_t all = 0;
+  for (; !first && frames < 60; ++frames) {
+    const DemonstratedFrame frame = grip(frames / 100.0, 0.8);
+    std::vector<manipulation::DetectedContact> touches = tracker.see(frame);
+    all = touches.size();
+    touches.resize(std::min<std::size_t>(all, frames / 3));
+    first = follower->follow(frame.time_s, frame.X_WO, touches, manipulation::postureOf(frame),
+                             Progress());
+  }
+  ASSERT_TRUE(first);
+  ASSERT_GT(all, 5u);
+  EXPECT_EQ(first->touches, static_cast<int>(all));
+  EXPECT_NEAR(frames, 3 * static_cast<int>(all) + 9, 2) << "75 ms behind the last one";
 }
 
 TEST_F(LiveFollowing, AWrongFrameChangesNothing) {
@@ -282,6 +304,33 @@ TEST_F(LiveFollowing, AHandThatIsLostIsFoundAgain) {
     EXPECT_GT(on_the_way, 0);
     EXPECT_FALSE(answer->is_on_its_way);
     EXPECT_LT(meanDistance(*answer), meanDistance(*as_fresh) + 2.0);
+  }
+}
+
+// One part is told to touch the ball's other side as well, 60 mm from where its finger is. Of
+// all that weighs the same the hand would show nothing.
+TEST_F(LiveFollowing, WhatTheHandCannotShowYieldsToWhatItCan) {
+  session.solve({}, {}, Progress());
+  const hand::HandPose shown = session.solve({}, {}, Progress()).report.pose;
+  demonstration::PosedHandTracker tracker(grasp.hand(), grasp.ball, Progress());
+  std::vector<manipulation::DetectedContact> touches = tracker.see(shown, Pose::Identity());
+  ASSERT_GE(touches.size(), 3u);
+  manipulation::DetectedContact wrong = touches.back();
+  const Eigen::Vector3d there_O = -positionOf(*grasp.ball, wrong.point_O);
+  wrong.point_O = geometry::SurfaceLocator(*grasp.ball).nearest(there_O).point;
+  wrong.part = static_cast<int>(tracker.partNames().size());
+  touches.push_back(wrong);
+  const auto follower = this->follower();
+  std::optional<LiveFollower::Answer> answer;
+  for (int k = 0; k < 60; ++k)
+    answer = follower->follow(k / 60.0, Pose::Identity(), touches,
+                              tracker.postureOf(shown, Pose::Identity()), Progress());
+  ASSERT_TRUE(answer);
+  ASSERT_EQ(answer->parts.size(), touches.size());
+  EXPECT_FALSE(answer->parts.back().reached);
+  for (std::size_t i = 0; i + 1 < touches.size(); ++i) {
+    EXPECT_TRUE(answer->parts[i].reached) << i;
+    EXPECT_LT(answer->parts[i].distance_mm, 4.0) << i;
   }
 }
 

@@ -1,0 +1,39 @@
+#include "core/retargeting/live_glitches.h"
+
+#include "core/retargeting/live_beginning.h"
+
+namespace handgraft::retargeting {
+
+namespace {
+
+// Faster than that, beside the wrist, no joint of a hand goes; noise comes on top.
+constexpr double kFastestJoint = 2.5;  // m/s
+constexpr double kJointNoise = 0.005;  // m
+constexpr int kMostJumps = 2;          // in a row; then it is where the hand is
+
+}  // namespace
+
+const manipulation::DemonstratedFrame* LiveGlitches::steadyBefore(
+    const manipulation::DemonstratedFrame& frame) {
+  if (!jumps(frame)) return nullptr;
+  ++jumped_;
+  return &*steady_;
+}
+
+void LiveGlitches::takeSteady(const manipulation::DemonstratedFrame& frame) {
+  steady_ = frame;
+  jumped_ = 0;
+}
+
+bool LiveGlitches::jumps(const manipulation::DemonstratedFrame& frame) const {
+  // What is not finite is for the tracker to refuse.
+  if (!steady_ || jumped_ >= kMostJumps || !frame.joints_W.allFinite()) return false;
+  const double step_s = frame.time_s - steady_->time_s;
+  if (step_s <= 0.0 || step_s > kLivePause) return false;
+  const hand::JointPlaces now = frame.joints_W.colwise() - frame.joints_W.col(0);
+  const hand::JointPlaces before = steady_->joints_W.colwise() - steady_->joints_W.col(0);
+  const double farthest = (now - before).colwise().norm().maxCoeff();
+  return farthest > kFastestJoint * step_s + kJointNoise;
+}
+
+}  // namespace handgraft::retargeting

@@ -1,0 +1,75 @@
+#include "core/retargeting/live_beginning.h"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace handgraft::retargeting {
+namespace {
+
+using Frames = std::vector<std::pair<double, int>>;  // time in s, touches
+
+/// When it is due first.
+std::optional<double> dueIn(const Frames& frames) {
+  LiveBeginning beginning;
+  for (const auto& [time_s, touches] : frames)
+    if (beginning.isDue(time_s, touches)) return time_s;
+  return std::nullopt;
+}
+
+/// At 100 Hz; `touches` by time in s.
+template <class Touches>
+Frames framesOf(double seconds, const Touches& touches) {
+  Frames frames;
+  for (int k = 0; k <= 100 * seconds; ++k)
+    frames.emplace_back(0.01 * k, touches(0.01 * k));
+  return frames;
+}
+
+TEST(LiveBeginning, WaitsForWhatComesAtOnce) {
+  // Three at 0.5 s, and one more every 20 ms until there are six at 0.56 s.
+  const auto due = dueIn(framesOf(2.0, [](double t) {
+    return t < 0.495 ? 0 : t < 0.515 ? 3 : t < 0.535 ? 4 : t < 0.555 ? 5 : 6;
+  }));
+  ASSERT_TRUE(due);
+  EXPECT_NEAR(*due, 0.64, 0.0101);
+}
+
+TEST(LiveBeginning, WaitsNoLongerThanAQuarterOfASecond) {
+  const auto due = dueIn(framesOf(2.0, [](double t) {
+    return t < 0.495 ? 0 : 3 + static_cast<int>((t - 0.495) / 0.03);
+  }));
+  ASSERT_TRUE(due);
+  EXPECT_NEAR(*due, 0.75, 0.0101);
+}
+
+TEST(LiveBeginning, IsNotDueWithLessThanThree) {
+  EXPECT_FALSE(dueIn(framesOf(2.0, [](double) {
+    return LiveBeginning::kTouchesToBegin - 1;
+  })));
+  // Nor by touches that were there before.
+  const auto due = dueIn(framesOf(2.0, [](double t) {
+    return t < 0.105 ? 0 : t < 0.155 ? 4 : t < 0.995 ? 2 : 4;
+  }));
+  ASSERT_TRUE(due);
+  EXPECT_NEAR(*due, 1.08, 0.0101);
+}
+
+TEST(LiveBeginning, TheFirstFrameTellsOfNothingThatComes) {
+  EXPECT_EQ(dueIn({{7.0, 3}}), 7.0);
+  EXPECT_EQ(dueIn({{7.0, 0}, {7.5, 3}}), 7.5) << "behind a pause";
+  EXPECT_EQ(dueIn({{7.0, 0}, {0.0, 3}}), 0.0) << "time has begun anew";
+}
+
+// A search that somebody called off is made in the next frame.
+TEST(LiveBeginning, StaysDue) {
+  LiveBeginning beginning;
+  EXPECT_TRUE(beginning.isDue(1.0, 3));
+  EXPECT_TRUE(beginning.isDue(1.01, 5));
+  EXPECT_FALSE(beginning.isDue(1.02, 2));
+}
+
+}  // namespace
+}  // namespace handgraft::retargeting
