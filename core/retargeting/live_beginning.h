@@ -16,10 +16,14 @@ class LiveBeginning {
  public:
   static constexpr int kTouchesToBegin = 3;
 
-  /// Frame by frame: whether as many touch, and no more have come for 75 ms, or as many have
-  /// touched for 250 ms. In the first frame, and behind a pause, nothing tells that more come.
-  /// It stays due while as many touch.
-  bool isDue(double time_s, int touches);
+  /// Frame by frame: whether as many touch, of two digits or more (the palm is one), and no
+  /// more have come for 75 ms, or as many have touched for 250 ms. In the first frame, and
+  /// behind a pause, nothing tells that more come. It stays due while as many touch.
+  bool isDue(double time_s, int touches, int digits);
+
+  /// No good pose was found: it is due again 0.1 s later. False where as many have touched for
+  /// a second: then any pose will do.
+  bool putOff(double time_s);
 
  private:
   std::optional<double> last_s_;
@@ -27,6 +31,7 @@ class LiveBeginning {
   double grew_s_ = 0.0;
   int touches_ = 0;
   bool is_due_ = false;
+  double not_before_s_ = 0.0;
 };
 
 }  // namespace handgraft::retargeting

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <tuple>
+#include <set>
 
 #include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/contact/patch.h"
 #include "core/optimize/diagnosis.h"
-#include "core/optimize/solver.h"
-#include "core/placement/posture_finding.h"
 #include "core/placement/solids.h"
 
 namespace handgraft::retargeting {
@@ -19,13 +17,6 @@ namespace {
 
 // Of a link on its way: little, so that what is in the way keeps it off.
 constexpr double kWayWeight = 4.0;
-// Lost is a hand that is so far off, for so long; what is found must be nearer by this factor.
-constexpr double kLost = 0.012;  // m, on average over the touches
-constexpr double kBetter = 0.6;
-// Fingers dealt in another way must leave so much less unshown to be worth the way there.
-constexpr double kServesMore = 0.75;
-// A touch so far off is trusted by half.
-constexpr double kHalfTrust = 0.0125;  // m
 // Places yield to where the hand shows a touch like a spring.
 constexpr double kSlideShare = 0.95;
 constexpr double kSlideTime = 0.05;      // s
@@ -34,64 +25,15 @@ constexpr double kLongestStep = 0.0125;  // s
 constexpr double kAngleStep = std::numbers::pi / 36.0;  // rad
 constexpr double kShareStep = 1.0 / 32.0;               // of a segment or the palm
 
-/// The demonstrator's, thumb to little.
-std::vector<std::string> digitsOf(const std::vector<manipulation::DetectedContact>& touches) {
-  std::vector<std::string> digits;
+/// Digits, and the palm.
+int partsOfHand(const std::vector<manipulation::DetectedContact>& touches) {
+  std::set<std::string> parts;
   for (const manipulation::DetectedContact& touch : touches)
-    if (touch.place.digit != hand::kPalmPart) digits.push_back(touch.place.digit);
-  return session::inOrder(std::move(digits));
-}
-
-/// In a touch that the hand is so far from showing (Cauchy's weight).
-double trustIn(double distance) {
-  const double share = distance / kHalfTrust;
-  return 1.0 / (1.0 + share * share);
+    parts.insert(touch.place.digit);
+  return static_cast<int>(parts.size());
 }
 
 }  // namespace
-
-/// How long is looked, and how much the hand is held as the demonstrator's is.
-struct LiveFollower::Search {
-  int starts = 0;
-  int slides = 0;
-  double held = 1.0;
-
-  /// Where touches leave the hand free: to be a radian off costs as much as 1 mm in four
-  /// touches.
-  static Search full() { return {16, 10, 1000.0}; }
-
-  /// To tell ways to deal fingers apart: by what they reach.
-  static Search trial() { return {4, 3, 1.0}; }
-};
-
-/// What a search tries: all is as it was again, unless that is kept.
-class LiveFollower::Attempt {
- public:
-  explicit Attempt(LiveFollower& follower)
-      : follower_(follower),
-        parts_(follower.parts_),
-        fingers_(follower.fingers_),
-        last_O_(follower.last_O_) {}
-
-  ~Attempt() {
-    if (is_kept_) return;
-    follower_.parts_ = std::move(parts_);
-    follower_.fingers_ = std::move(fingers_);
-    follower_.last_O_ = std::move(last_O_);
-  }
-
-  Attempt(const Attempt&) = delete;
-  Attempt& operator=(const Attempt&) = delete;
-
-  void keep() { is_kept_ = true; }
-
- private:
-  LiveFollower& follower_;
-  std::vector<TouchingPart> parts_;
-  LiveFingers fingers_;
-  std::optional<hand::HandPose> last_O_;
-  bool is_kept_ = false;
-};
 
 LiveFollower::LiveFollower(const session::Document& document,
                            const hand::Hand& hand,
@@ -158,48 +100,28 @@ void LiveFollower::meetAnew() {
     part.forget();
 }
 
-/// By short searches, from where the hand is: as sessions deal, which look longer. Of ways that
-/// reach as much, the one that leaves fingers for what may touch next.
-void LiveFollower::dealAnew(const std::vector<contact::PartDirection>& posture,
-                            const Progress& progress) {
-  const std::vector<std::string> touching = digitsOf(seen_);
-  const std::vector<session::Dealing> ways = fingers_.waysFor(touching);
-  const std::optional<hand::HandPose> here_O = last_O_;
-  std::vector<std::string> digits;  // the demonstrator's, as far as the posture tells
-  for (const contact::PartDirection& part : posture)
-    if (const auto place = hand::placeNamed(part.part)) digits.push_back(place->digit);
-  const session::Dealing* best = nullptr;
-  std::tuple<long, int, std::ptrdiff_t, double> least;
-  for (const session::Dealing& way : ways) {
-    if (ways.size() == 1) break;
-    fingers_.choose(way, touching);
-    meetAnew();
-    last_O_ = here_O;
-    if (problemNow().pairs.empty()) continue;
-    search(posture, Search::trial(), progress);
-    const Standing now = standing();
-    const std::ptrdiff_t renamed = std::count_if(way.begin(), way.end(), [](const auto& dealt) {
-      return dealt.first != dealt.second;
-    });
-    const std::tuple lack(std::lround(now.lack),
-                          -session::neighboursServed(coordinates_.anatomy(), digits, way),
-                          renamed, now.distance);
-    if (best != nullptr && lack >= least) continue;
-    best = &way;
-    least = lack;
-  }
-  last_O_ = here_O;
-  fingers_.choose(best != nullptr ? *best : ways.front(), touching);
-  meetAnew();
+/// Of the demonstrator, thumb to little.
+std::vector<std::string> LiveFollower::touchingDigits() const {
+  std::vector<std::string> digits;
+  for (const manipulation::DetectedContact& touch : seen_)
+    if (touch.place.digit != hand::kPalmPart) digits.push_back(touch.place.digit);
+  return session::inOrder(std::move(digits));
 }
 
 /// For digits that have come since fingers were dealt.
 void LiveFollower::takeFingers() {
-  std::vector<std::string> present = digitsOf(seen_);
+  std::vector<std::string> present = touchingDigits();
   const std::vector<std::string> touching = present;
   for (const TouchingPart& part : parts_)
     if (part.presence > 0.0) present.push_back(part.digit);
   fingers_.take(touching, present);
+}
+
+/// In a touch that the hand is so far from showing (Cauchy's weight).
+double LiveFollower::trustIn(double distance) {
+  constexpr double kHalf = 0.0125;  // m
+  const double share = distance / kHalf;
+  return 1.0 / (1.0 + share * share);
 }
 
 Eigen::Vector3d LiveFollower::TouchingPart::shown_L() const {
@@ -301,103 +223,11 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   return follow(frame.time_s, frame.X_WO, touches, manipulation::postureOf(frame), progress);
 }
 
-bool LiveFollower::begin(const std::vector<contact::PartDirection>& posture,
-                         const Progress& progress) {
-  Attempt attempt(*this);
-  dealAnew(posture, progress);
-  if (problemNow().pairs.empty()) return false;
-  search(posture, Search::full(), progress);
-  attempt.keep();
-  return true;
-}
-
-void LiveFollower::search(const std::vector<contact::PartDirection>& posture,
-                          const Search& how,
-                          const Progress& progress) {
-  optimize::PoseProblem problem = problemNow();
-  contact::ContactSet shown;
-  shown.posture = posture;
-  const placement::Posture held = placement::postureFor(hand_, shown);
-  const auto hold = [&](optimize::PoseProblem& one) {
-    one.prior.q = held.q.cwiseMax(one.lower).cwiseMin(one.upper);
-    one.prior_weights = Eigen::VectorXd::Ones(one.dofCount());
-    if (!held.R_OH) return;  // what is relaxed holds nobody
-    const double weight = how.held * held.sureness;
-    one.prior_weights.tail(held.q.size()) *= weight;
-    one.prior.X_WH.linear() = *held.R_OH;
-    one.prior_weights.head<3>() *= weight;
-  };
-  hold(problem);
-  optimize::SolveOptions solving;
-  solving.starts = how.starts;
-  last_O_ = optimize::solve(problem, solving, progress).pose;
-  solving.starts = 1;
-  for (int i = 0; i < how.slides; ++i) {
-    slide(1.0);
-    problem = problemNow();
-    hold(problem);
-    last_O_ = optimize::solve(problem, solving, progress).pose;
-  }
-}
-
-LiveFollower::Standing LiveFollower::standing() const {
-  Standing standing;
-  const std::vector<PartFit> fits = fitsOf(seen_, Pose::Identity());
-  standing.lack = static_cast<double>(seen_.size() - fits.size());
-  double sum_mm = 0.0;
-  for (const PartFit& fit : fits) {
-    if (parts_[static_cast<std::size_t>(fit.part)].presence < 1.0) continue;
-    standing.lack += 1.0 - trustIn(1e-3 * fit.distance_mm);
-    sum_mm += fit.distance_mm;
-    ++standing.shown;
-  }
-  if (standing.shown > 0) standing.distance = 1e-3 * sum_mm / standing.shown;
-  return standing;
-}
-
-void LiveFollower::lookAnew(double time_s,
-                            double step_s,
-                            const std::vector<contact::PartDirection>& posture,
-                            const Progress& progress) {
-  const Standing before = standing();
-  const std::vector<std::string> touching = digitsOf(seen_);
-  const bool may_begin = touches() >= kTouchesToBegin;
-  const bool is_lost = may_begin && before.distance > kLost;
-  const bool is_unserved =
-      may_begin && fingers_.lacksOneFor(touching) && !fingers_.isChosenFor(touching);
-  searches_.see(step_s, is_lost, is_unserved);
-  if (!fingers_.isChosenFor(touching)) searches_.touchesChanged();
-  if (way_ || !searches_.isDue(time_s)) return;
-  const session::Dealing dealing = fingers_.dealing();
-  const hand::HandPose here_O = *last_O_;
-  {
-    Attempt attempt(*this);
-    if (fingers_.isChosenFor(touching)) {
-      meetAnew();
-    } else {
-      dealAnew(posture, progress);
-    }
-    search(posture, Search::full(), progress);
-    const Standing after = standing();
-    const bool serves_more =
-        fingers_.dealing() != dealing && after.lack < kServesMore * before.lack;
-    const bool is_nearer =
-        after.shown >= before.shown && after.distance < kBetter * before.distance;
-    if (serves_more || is_nearer) {
-      attempt.keep();
-      way_.emplace(here_O, *last_O_, middle_O_, time_s);
-      searches_.found(way_->end());
-      last_O_ = here_O;
-      return;
-    }
-  }
-  searches_.foundNothing(time_s);
-  fingers_.choose(dealing, touching);  // nothing better is known
-}
-
 optimize::PoseProblem LiveFollower::problemTo(const hand::HandPose& goal_O) const {
   optimize::PoseProblem single = problemNow();
   single.pairs.clear();
+  // What is inside would keep the hand there.
+  if (depth_ > kDeep) single.avoidance = {};
   hand::LinkPoses X_OL;
   hand::forwardKinematics(*hand_.model, goal_O.X_WH, goal_O.q, X_OL);
   for (std::size_t link = 0; link < X_OL.size(); ++link) {
@@ -455,7 +285,8 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   if (begins) {
     for (std::size_t i = 0; i < parts_.size(); ++i)
       parts_[i].presence = is_there[i];
-    if (!beginning_.isDue(time_s, this->touches()) || !begin(posture, progress))
+    if (!beginning_.isDue(time_s, this->touches(), partsOfHand(seen_)) ||
+        !begin(time_s, posture, progress))
       return std::nullopt;
     solver_.begin(*last_O_);
   } else if (paused) {
@@ -483,6 +314,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   answer.evaluations = step.evaluations;
   answer.parts = fitsOf(touches, X_WO);
   answer.depths = placement::depthsOf(hand_.model, hand_.skin, object_O_, step.pose, progress);
+  if (problem_.avoidance) depth_ = answer.depths.object_m;
   answer.limits = optimize::activeLimits(problem_.lower, problem_.upper, step.pose.q);
   return answer;
 }

@@ -35,7 +35,8 @@ namespace handgraft::retargeting {
 ///
 /// A hand that is 12 mm off on average for a quarter of a second is lost: it is searched in the
 /// same way again, and where that is nearer by far it goes there, about the object, in 0.8 s at
-/// most. So it is where a finger has touched for as long and none of the hand's shows it.
+/// most. So it is where a finger has touched for as long and none of the hand's shows it, and
+/// where it is more than 2 mm inside the object.
 ///
 /// It begins when three parts or more touch and no more come (LiveBeginning): the best pose of
 /// that frame alone, from many starts, where these leave it open held as the demonstrator's
@@ -129,6 +130,9 @@ class LiveFollower {
     double distance = 0.0;  ///< m, on average over those
   };
 
+  /// m; so deep nobody holds an object.
+  static constexpr double kDeep = 0.002;
+
   class Attempt;
   struct Search;
 
@@ -138,13 +142,17 @@ class LiveFollower {
   void meet(const manipulation::DetectedContact& touch);
   void slide(double share);
   void meetAnew();
+  static double trustIn(double distance);
   [[nodiscard]] optimize::PointPair pairOf(std::size_t index) const;
   std::optional<hand::LinkPoint> spotOf(const manipulation::DetectedContact& touch);
   [[nodiscard]] optimize::PoseProblem problemNow() const;
   [[nodiscard]] optimize::PoseProblem problemTo(const hand::HandPose& goal_O) const;
   void dealAnew(const std::vector<contact::PartDirection>& posture, const Progress& progress);
+  [[nodiscard]] std::vector<std::string> touchingDigits() const;
   void takeFingers();
-  bool begin(const std::vector<contact::PartDirection>& posture, const Progress& progress);
+  bool begin(double time_s,
+             const std::vector<contact::PartDirection>& posture,
+             const Progress& progress);
   void search(const std::vector<contact::PartDirection>& posture,
               const Search& how,
               const Progress& progress);
@@ -153,6 +161,7 @@ class LiveFollower {
                 const std::vector<contact::PartDirection>& posture,
                 const Progress& progress);
   [[nodiscard]] Standing standing() const;
+  [[nodiscard]] double depthNow(const Progress& progress) const;
   [[nodiscard]] std::vector<PartFit> fitsOf(
       const std::vector<manipulation::DetectedContact>& touches, const Pose& X_WO) const;
 
@@ -172,6 +181,7 @@ class LiveFollower {
   LiveGlitches glitches_;
   std::optional<double> last_s_;
   std::optional<hand::HandPose> last_O_;  // once it has begun
+  double depth_ = 0.0;                    // m, of the last answer in the object
   LiveBeginning beginning_;
   LiveSearches searches_;
   std::optional<LiveWay> way_;  // to a better pose that was found far from the hand

@@ -24,6 +24,7 @@
 
 #include "tests/bench/chain_pair.h"
 #include "tests/bench/hand_import.h"
+#include "tests/bench/motions/live_grasps.h"
 #include "tests/bench/motions/live_motions.h"
 #include "tests/bench/motions/mjcf_hand.h"
 #include "tests/bench/retargeting/fingertips.h"
@@ -324,9 +325,13 @@ void runHumanMotions(const fs::path& data,
   }
   printLiveHeading();
   for (const HumanSequence& sequence : sequences)
-    for (const hand::Hand& hand : hands)
-      printLive(retargeting::graspOf(sequence.motion, *sequence.object_O), sequence.frames,
-                sequence.object_O, human, hand);
+    for (const hand::Hand& hand : hands) {
+      LiveFigures figures;
+      followLive(retargeting::graspOf(sequence.motion, *sequence.object_O), sequence.frames,
+                 sequence.object_O, human, hand, figures);
+      printLiveRow(sequence.name, hand, figures);
+    }
+  if (ways == HumanWays::kLive) runLiveGrasps(data, cache, hands);
 }
 
 }  // namespace handgraft::bench

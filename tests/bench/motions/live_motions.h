@@ -1,26 +1,54 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/contact/contact_set.h"
 #include "core/demonstration/posed_hand_motion.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/hand/hand.h"
+#include "core/retargeting/live_follower.h"
 
 namespace handgraft::bench {
 
-/// The heading of what `printLive` prints.
+/// What a live hand did, of one sequence or of several: how many of the demonstrator's touches
+/// it reached, how deep it was, how far it was led about, what a frame took of one core.
+struct LiveFigures {
+  int frames = 0;
+  int answered = 0;
+  int touches = 0;  ///< of frames before it began, too
+  int reached = 0;
+  int places = 0;
+  double sum_mm = 0.0;
+  double sum_deg = 0.0;
+  double deepest_m = 0.0;
+  int past = 0;
+  double largest_step = 0.0;
+  /// How often the hand set out for another pose about the object, how long it was on its way,
+  /// and how far that took it.
+  int ways = 0;
+  int frames_led = 0;
+  double led_m = 0.0;
+  std::vector<double> first_ms;
+  std::vector<double> ms;
+
+  void add(const retargeting::LiveFollower::Answer& answer);
+};
+
+/// Adds a recorded hand followed live, frame by frame, as a session does it.
+///
+/// `contacts`: a session has some; a live hand takes nothing of them.
+void followLive(const contact::ContactSet& contacts,
+                const std::vector<demonstration::PosedFrame>& frames,
+                const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+                const hand::Hand& demonstrator,
+                const hand::Hand& hand,
+                LiveFigures& figures);
+
+/// The heading of the rows.
 void printLiveHeading();
 
-/// A recorded hand followed live, frame by frame, as a session does it: how many of the
-/// demonstrator's touches the hand reaches, how deep it is, what a frame takes of one core.
-///
-/// `contacts`: a session has some; a live hand takes nothing of them but the name.
-void printLive(const contact::ContactSet& contacts,
-               const std::vector<demonstration::PosedFrame>& frames,
-               const std::shared_ptr<const geometry::TriangleMesh>& object_O,
-               const hand::Hand& demonstrator,
-               const hand::Hand& hand);
+void printLiveRow(const std::string& name, const hand::Hand& hand, const LiveFigures& figures);
 
 }  // namespace handgraft::bench

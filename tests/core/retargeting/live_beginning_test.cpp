@@ -12,10 +12,10 @@ namespace {
 using Frames = std::vector<std::pair<double, int>>;  // time in s, touches
 
 /// When it is due first.
-std::optional<double> dueIn(const Frames& frames) {
+std::optional<double> dueIn(const Frames& frames, int digits = 3) {
   LiveBeginning beginning;
   for (const auto& [time_s, touches] : frames)
-    if (beginning.isDue(time_s, touches)) return time_s;
+    if (beginning.isDue(time_s, touches, digits)) return time_s;
   return std::nullopt;
 }
 
@@ -45,6 +45,29 @@ TEST(LiveBeginning, WaitsNoLongerThanAQuarterOfASecond) {
   EXPECT_NEAR(*due, 0.75, 0.0101);
 }
 
+// A grasp takes two.
+TEST(LiveBeginning, OfOneFingerAloneWaitsAQuarterOfASecond) {
+  const Frames frames = framesOf(2.0, [](double t) {
+    return t < 0.495 ? 0 : 3;
+  });
+  EXPECT_NEAR(dueIn(frames, 2).value_or(0.0), 0.58, 0.0101);
+  EXPECT_NEAR(dueIn(frames, 1).value_or(0.0), 0.75, 0.0101);
+}
+
+// Every tenth of a second, for a second.
+TEST(LiveBeginning, IsPutOffWhereNoGoodPoseIsFound) {
+  LiveBeginning beginning;
+  std::vector<double> times;
+  for (int k = 0; k <= 300; ++k) {
+    if (!beginning.isDue(0.01 * k, 4, 2)) continue;
+    times.push_back(0.01 * k);
+    if (!beginning.putOff(0.01 * k)) break;
+  }
+  ASSERT_EQ(times.size(), 11u);
+  EXPECT_NEAR(times[1], 0.1, 0.0101);
+  EXPECT_NEAR(times.back(), 1.0, 0.11);
+}
+
 TEST(LiveBeginning, IsNotDueWithLessThanThree) {
   EXPECT_FALSE(dueIn(framesOf(2.0, [](double) {
     return LiveBeginning::kTouchesToBegin - 1;
@@ -66,9 +89,9 @@ TEST(LiveBeginning, TheFirstFrameTellsOfNothingThatComes) {
 // A search that somebody called off is made in the next frame.
 TEST(LiveBeginning, StaysDue) {
   LiveBeginning beginning;
-  EXPECT_TRUE(beginning.isDue(1.0, 3));
-  EXPECT_TRUE(beginning.isDue(1.01, 5));
-  EXPECT_FALSE(beginning.isDue(1.02, 2));
+  EXPECT_TRUE(beginning.isDue(1.0, 3, 2));
+  EXPECT_TRUE(beginning.isDue(1.01, 5, 2));
+  EXPECT_FALSE(beginning.isDue(1.02, 2, 2));
 }
 
 }  // namespace
