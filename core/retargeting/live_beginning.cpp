@@ -15,6 +15,8 @@ constexpr double kMostPutOff = 1.0;  // s
 
 bool LiveBeginning::isDue(double time_s, int touches, int digits) {
   const bool is_first = !last_s_ || time_s <= *last_s_ || time_s - *last_s_ > kLivePause;
+  // Of frames as far apart the next one is later than the hand should begin.
+  const bool is_slow = last_s_ && time_s - *last_s_ >= kQuiet;
   last_s_ = time_s;
   const int before = std::exchange(touches_, touches);
   if (touches < kTouchesToBegin) {
@@ -26,7 +28,7 @@ bool LiveBeginning::isDue(double time_s, int touches, int digits) {
   if (is_first) not_before_s_ = time_s;
   if (is_first || !enough_s_) enough_s_ = time_s;
   if (touches > before) grew_s_ = time_s;
-  is_due_ = is_due_ || is_first || (digits > 1 && time_s >= grew_s_ + kQuiet) ||
+  is_due_ = is_due_ || is_first || is_slow || (digits > 1 && time_s >= grew_s_ + kQuiet) ||
             time_s >= *enough_s_ + kMostWait;
   return is_due_ && time_s >= not_before_s_;
 }

@@ -219,6 +219,16 @@ std::optional<retargeting::LiveFollower::Answer> answerTo(LiveSession& live,
                                     following.tracker->postureOf(pose, X_WO), live.solves());
 }
 
+std::string whyNotBegun(int touches) {
+  constexpr int kEnough = retargeting::LiveFollower::kTouchesToBegin;
+  if (touches < kEnough) {
+    return fmt::format("{}{} {} of the {} parts that a hand begins with", idl::kOfDemonstrator,
+                       idl::kTouchesTooLittle, touches, kEnough);
+  }
+  return fmt::format("{}{} {} parts; the hand begins when no more come", idl::kOfDemonstrator,
+                     idl::kTouchesTooLittle, touches);
+}
+
 }  // namespace
 
 void followFrame(LiveSession& live,
@@ -230,10 +240,7 @@ void followFrame(LiveSession& live,
       live.recallFrom(0);
       live.publish(answerOf(live, frame, *answer));
     } else {
-      trouble =
-          fmt::format("{}{} {} of the {} parts that a hand begins with", idl::kOfDemonstrator,
-                      idl::kTouchesTooLittle, live.following.follower->touches(),
-                      retargeting::LiveFollower::kTouchesToBegin);
+      trouble = whyNotBegun(live.following.follower->touches());
     }
   } catch (const Cancelled&) {
     return;  // it is being closed

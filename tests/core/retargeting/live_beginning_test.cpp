@@ -45,6 +45,11 @@ TEST(LiveBeginning, WaitsNoLongerThanAQuarterOfASecond) {
   EXPECT_NEAR(*due, 0.75, 0.0101);
 }
 
+TEST(LiveBeginning, SlowFramesAreNotWaitedFor) {
+  EXPECT_EQ(dueIn({{0.0, 0}, {0.1, 7}, {0.2, 7}}), 0.1);
+  EXPECT_EQ(dueIn({{0.0, 0}, {0.05, 7}, {0.1, 7}, {0.15, 7}}), 0.15);
+}
+
 // A grasp takes two.
 TEST(LiveBeginning, OfOneFingerAloneWaitsAQuarterOfASecond) {
   const Frames frames = framesOf(2.0, [](double t) {
