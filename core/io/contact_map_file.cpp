@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -21,6 +22,7 @@ namespace {
 using contact::ContactMap;
 
 constexpr int kMostSegments = 10'000;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Names from comments that list `0=name 1=name`; what is no such pair is prose.
 std::vector<std::string> segmentNamesIn(const std::vector<std::string>& comments) {
@@ -146,6 +148,42 @@ Eigen::VectorXd valuesByProperty(const PlyFile& ply, const std::string& property
   return columnOf(ply, property);
 }
 
+/// Vertices at the same place, as seams of texture coordinates and unwelded exports have them,
+/// become one of their mean value, labelled as the one of the largest: patches go over seams.
+ContactMap welded(ContactMap map, const std::vector<int>& file_face) {
+  if (map.mesh_O.faceCount() == 0) return map;
+  FileMesh listed;
+  for (int v = 0; v < map.mesh_O.vertexCount(); ++v)
+    listed.vertices.emplace_back(map.mesh_O.vertex(v));
+  for (int f = 0; f < map.mesh_O.faceCount(); ++f) {
+    const Eigen::Vector3i face = map.mesh_O.face(f);
+    listed.triangles.push_back({face[0], face[1], face[2]});
+  }
+  listed.file_face = file_face;
+  const MeshFile file = weldedMesh(listed);
+  const Eigen::Index count = file.mesh.vertexCount();
+  if (count == map.value.size()) return map;
+  ContactMap one;
+  one.mesh_O = file.mesh;
+  one.segment_names = std::move(map.segment_names);
+  one.value = Eigen::VectorXd::Zero(count);
+  Eigen::VectorXd copies = Eigen::VectorXd::Zero(count);
+  Eigen::VectorXd largest = Eigen::VectorXd::Constant(count, -kInfinity);
+  if (!map.label.empty()) one.label.assign(static_cast<std::size_t>(count), -1);
+  for (std::size_t v = 0; v < file.mesh_vertex.size(); ++v) {
+    const int place = file.mesh_vertex[v];
+    if (place < 0) continue;
+    const double value = map.value[static_cast<Eigen::Index>(v)];
+    one.value[place] += value;
+    copies[place] += 1.0;
+    if (value <= largest[place]) continue;
+    largest[place] = value;
+    if (!map.label.empty()) one.label[static_cast<std::size_t>(place)] = map.label[v];
+  }
+  one.value.array() /= copies.array();
+  return one;
+}
+
 ContactMap contactMapFrom(const PlyFile& ply, const ContactMapSource& source) {
   Eigen::Matrix3Xd vertices(3, ply.vertex_count);
   vertices.row(0) = columnOf(ply, "x").transpose();
@@ -167,7 +205,7 @@ ContactMap contactMapFrom(const PlyFile& ply, const ContactMapSource& source) {
     }
   }
   validate(map);
-  return map;
+  return welded(std::move(map), ply.file_face);
 }
 
 /// Whether a vertex of an OBJ has three numbers behind its place.

@@ -34,7 +34,8 @@ FileMesh readStl(const std::filesystem::path& path);
 /// coordinates, whose vertices are then not in the file's order.
 FileMesh readScene(const std::filesystem::path& path);
 
-/// Vertices at the same place become one, faces without area go (MeshFile says which).
+/// Vertices at the same place become one, faces without area and faces listed before go
+/// (MeshFile says which).
 /// Errors: InvalidInput for a vertex that is not finite, and where no face is left.
 MeshFile weldedMesh(const FileMesh& listed);
 

@@ -64,7 +64,24 @@ std::vector<int> firstAtPlace(const std::vector<Eigen::Vector3d>& vertices) {
   return first;
 }
 
-/// Welds, drops what collapses, and numbers the places that faces use in the file's order.
+/// 1 for triangles of the same three corners as one before, the same way round.
+std::vector<char> repeatedOf(const std::vector<std::array<int, 3>>& triangles) {
+  std::vector<std::array<int, 3>> corners = triangles;
+  for (std::array<int, 3>& three : corners)
+    std::rotate(three.begin(), std::min_element(three.begin(), three.end()), three.end());
+  std::vector<std::size_t> order(triangles.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::tie(corners[a], a) < std::tie(corners[b], b);
+  });
+  std::vector<char> is_repeated(triangles.size(), 0);
+  for (std::size_t i = 1; i < order.size(); ++i)
+    is_repeated[order[i]] = corners[order[i]] == corners[order[i - 1]] ? 1 : 0;
+  return is_repeated;
+}
+
+/// Welds, drops what collapses or is there already, and numbers the places that faces use in
+/// the file's order.
 MeshFile weld(const FileMesh& listed) {
   const std::vector<int> first = firstAtPlace(listed.vertices);
   MeshFile file;
@@ -77,11 +94,23 @@ MeshFile weld(const FileMesh& listed) {
       corner = first[corner];
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
       continue;
-    for (const int corner : corners)
-      place_of[corner] = 0;
     triangles.push_back(corners);
     file.file_face.push_back(listed.file_face[t]);
   }
+  const std::size_t collapsed = listed.triangles.size() - triangles.size();
+  const std::vector<char> is_repeated = repeatedOf(triangles);
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (is_repeated[t] != 0) continue;
+    triangles[kept] = triangles[t];
+    file.file_face[kept++] = file.file_face[t];
+  }
+  const std::size_t repeated = triangles.size() - kept;
+  triangles.resize(kept);
+  file.file_face.resize(kept);
+  for (const std::array<int, 3>& corners : triangles)
+    for (const int corner : corners)
+      place_of[corner] = 0;
   for (std::size_t v = 0; v < place_of.size(); ++v) {
     if (place_of[v] < 0) continue;
     place_of[v] = static_cast<int>(file.file_vertex.size());
@@ -111,10 +140,10 @@ MeshFile weld(const FileMesh& listed) {
     file.notes.push_back(
         fmt::format("welded {} vertices to {}", listed.vertices.size(), places));
   }
-  if (triangles.size() != listed.triangles.size()) {
-    file.notes.push_back(fmt::format("dropped {} faces without area",
-                                     listed.triangles.size() - triangles.size()));
-  }
+  if (collapsed > 0)
+    file.notes.push_back(fmt::format("dropped {} faces without area", collapsed));
+  if (repeated > 0)
+    file.notes.push_back(fmt::format("dropped {} faces that are listed before", repeated));
   if (unused > 0)
     file.notes.push_back(fmt::format("left out {} vertices without a face", unused));
   return file;

@@ -15,12 +15,14 @@ struct MeshFile {
   std::vector<int> file_vertex;
   /// Mesh vertex of every vertex of the file; -1 if no face uses it.
   std::vector<int> mesh_vertex;
-  /// Face of the file for every mesh face (faces that collapse in welding are dropped).
+  /// Face of the file for every mesh face (faces that collapse in welding, and those
+  /// of the same corners as one before, the same way round, are dropped).
   std::vector<int> file_face;
   /// 1 for mesh faces whose second and third corner the file lists the other way round
   /// (`readObject`); empty if there are none.
   std::vector<char> is_turned;
-  /// "welded 49152 vertices to 8190", "dropped 3 faces without area".
+  /// "welded 49152 vertices to 8190", "dropped 3 faces without area", "dropped 5 faces that
+  /// are listed before".
   std::vector<std::string> notes;
   /// Points of a file without faces, in its order, 3 x N; then `mesh` is a surface laid through
   /// them (`readObject`) and the three lists above are empty. No column for a mesh.

@@ -96,6 +96,7 @@ MapScale mapScale(double size,
                   const std::string& name) {
   constexpr double kLeast = 0.01;
   constexpr double kMost = 1.5;
+  constexpr double kLeastOfAll = 0.5;  // a map of the whole object; no two units permit it
   const auto fits = [&](double scale) {
     return scale * size >= kLeast * object_m && scale * size <= kMost * object_m;
   };
@@ -107,9 +108,19 @@ MapScale mapScale(double size,
                              units.empty() ? object_units : units, lengthText(size),
                              lengthText(object_m))};
   }
-  if (!units.empty()) return {own, ""};
-  if (size > kLargestUnasked) doubt(size, name);
-  return {1.0, ""};
+  if (units.empty()) {
+    if (size > kLargestUnasked) doubt(size, name);
+    return {1.0, ""};
+  }
+  for (const std::string_view other : kOthers) {
+    const LengthUnit& unit = *lengthUnitCalled(other);
+    const double share = unit.metres * size / object_m;
+    if (share < kLeastOfAll || share > kMost) continue;
+    return {unit.metres,
+            fmt::format("the map is taken as {}: it is {} across so, the object {}",
+                        unit.plural, lengthText(unit.metres * size), lengthText(object_m))};
+  }
+  return {own, ""};
 }
 
 }  // namespace handgraft::server

@@ -122,6 +122,12 @@ TEST(Units, TakesAMapToLieOnItsObject) {
   EXPECT_EQ(mapScale(12.0, "", "mm", 0.152, "map").scale, 1e-3);
   EXPECT_EQ(mapScale(0.012, "", "", 0.152, "map").scale, 1.0);
   EXPECT_THROW((void)mapScale(152.0, "", "", 0.152, "map"), UnitsInDoubt);
+  // Units are said of both files; the object's are metres, the map's are not.
+  const MapScale others = mapScale(152.0, "m", "", 0.152, "map");
+  EXPECT_EQ(others.scale, 1e-3);
+  EXPECT_NE(others.note.find("millimetres"), std::string::npos) << others.note;
+  EXPECT_EQ(mapScale(6.0, "m", "", 0.152, "map").scale, 0.0254);
+  EXPECT_EQ(mapScale(3000.0, "m", "", 0.152, "map").scale, 1.0) << "fits in none";
 }
 
 TEST(ReadModel, ScalesObjectsAndClouds) {

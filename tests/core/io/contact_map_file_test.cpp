@@ -58,6 +58,23 @@ TEST(ContactMapFile, ReadsPropertiesOfAnyName) {
   EXPECT_TRUE(readContactMap(path, source).label.empty());
 }
 
+// As textures' seams and unwelded exports have vertices: twice at the same place.
+TEST(ContactMapFile, GoesOverSeams) {
+  const auto path = test::scratchDirectory() / "seam.ply";
+  std::ofstream(path) << "ply\nformat ascii 1.0\ncomment 0=thumb 1=index\nelement vertex 6\n"
+                         "property float x\nproperty float y\nproperty float z\n"
+                         "property float contact\nproperty char link\n"
+                         "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+                         "0 0 0 1 0\n1 0 0 0.5 -1\n1 1 0 0.25 -1\n"
+                         "0 0 0 1 0\n1 1 0 0.75 1\n0 1 0 0 -1\n3 0 1 2\n3 3 4 5\n";
+  const contact::ContactMap map = readContactMap(path, {});
+  ASSERT_EQ(map.mesh_O.vertexCount(), 4);
+  EXPECT_EQ(map.mesh_O.faceCount(), 2);
+  EXPECT_THAT(map.value, ElementsAre(1.0, 0.5, 0.5, 0.0));
+  EXPECT_THAT(map.label, ElementsAre(0, -1, 1, -1));
+  EXPECT_THAT(map.segment_names, ElementsAre("thumb", "index"));
+}
+
 TEST(ContactMapFile, NamesThePropertyThatIsMissing) {
   const auto path = writeSquare("property float heat\n", {"0.5", "0.25", "1", "0"});
   expectFault(path, {}, "no vertex property 'contact'");

@@ -79,7 +79,7 @@ TEST(MeshFile, CountsObjVerticesByTheirLines) {
   const MeshFile file = readMesh(write("order.obj",
                                        "mtllib missing.mtl\no part\nv 9 9 9\nv 0 0 0\nvt 0 0\n"
                                        "v 1 0 0 # x\nusemtl m\nv 0 1 0\nv 1 0 0\n"
-                                       "f 2/1/1 3//1 \\\n 4/1\nf -1 -2 -4\n"));
+                                       "f 2/1/1 3//1 \\\n 4/1\nf -2 -1 -4\n"));
   EXPECT_THAT(file.file_vertex, ElementsAre(1, 2, 3));
   EXPECT_THAT(file.mesh_vertex, ElementsAre(-1, 0, 1, 2, 1));
   EXPECT_EQ(file.mesh.faceCount(), 2);
@@ -99,6 +99,16 @@ TEST(MeshFile, DropsFacesThatCollapse) {
       readMesh(write("thin.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nf 1 2 3\nf 1 2 4\n"));
   EXPECT_EQ(file.mesh.faceCount(), 1);
   EXPECT_THAT(file.notes, Contains("dropped 1 faces without area"));
+}
+
+// As some exporters write what they merge; a face turned over is another one.
+TEST(MeshFile, DropsFacesThatAreListedBefore) {
+  const MeshFile file = readMesh(write("twice.obj",
+                                       "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 0\n"
+                                       "f 1 2 3\nf 2 4 3\nf 2 3 5\nf 3 2 1\nf 3 2 4\n"));
+  EXPECT_EQ(file.mesh.faceCount(), 3);
+  EXPECT_THAT(file.file_face, ElementsAre(0, 1, 3));
+  EXPECT_THAT(file.notes, Contains("dropped 2 faces that are listed before"));
 }
 
 /// One triangle whose corners lie in the buffer at `uri`.
