@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kIsaacNote = "# note: ";
+const std::string isaac_note = "# note: ";
 
 std::string csvField(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -76,7 +76,7 @@ std::string isaacGraspYaml(const PosedGrasp& grasp,
   add_joints("cspace_position", grasp.pose.q);
   add_joints("pregrasp_cspace_position", q_before);
   for (const std::string& note : notes)
-    text += kIsaacNote + note + "\n";
+    text += isaac_note + note + "\n";
   return text;
 }
 

@@ -80,14 +80,18 @@ std::vector<char> repeatedOf(const std::vector<std::array<int, 3>>& triangles) {
   return is_repeated;
 }
 
-/// Welds, drops what collapses or is there already, and numbers the places that faces use in
-/// the file's order.
-MeshFile weld(const FileMesh& listed) {
-  const std::vector<int> first = firstAtPlace(listed.vertices);
-  MeshFile file;
-  file.notes = listed.notes;
+/// Of a mesh as listed, by the first vertices at their places: triangles that neither collapse
+/// nor are there already.
+struct KeptFaces {
   std::vector<std::array<int, 3>> triangles;
-  std::vector<int> place_of(listed.vertices.size(), -1);
+  std::vector<int> file_face;
+  std::size_t collapsed = 0;
+  std::size_t repeated = 0;
+};
+
+KeptFaces keptFaces(const FileMesh& listed, const std::vector<int>& first) {
+  std::vector<std::array<int, 3>> triangles;
+  std::vector<int> file_face;
   for (std::size_t t = 0; t < listed.triangles.size(); ++t) {
     std::array<int, 3> corners = listed.triangles[t];
     for (int& corner : corners)
@@ -95,19 +99,30 @@ MeshFile weld(const FileMesh& listed) {
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
       continue;
     triangles.push_back(corners);
-    file.file_face.push_back(listed.file_face[t]);
+    file_face.push_back(listed.file_face[t]);
   }
-  const std::size_t collapsed = listed.triangles.size() - triangles.size();
   const std::vector<char> is_repeated = repeatedOf(triangles);
-  std::size_t kept = 0;
+  KeptFaces kept;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     if (is_repeated[t] != 0) continue;
-    triangles[kept] = triangles[t];
-    file.file_face[kept++] = file.file_face[t];
+    kept.triangles.push_back(triangles[t]);
+    kept.file_face.push_back(file_face[t]);
   }
-  const std::size_t repeated = triangles.size() - kept;
-  triangles.resize(kept);
-  file.file_face.resize(kept);
+  kept.collapsed = listed.triangles.size() - triangles.size();
+  kept.repeated = triangles.size() - kept.triangles.size();
+  return kept;
+}
+
+/// Welds, drops what collapses or is there already, and numbers the places that faces use in
+/// the file's order.
+MeshFile weld(const FileMesh& listed) {
+  const std::vector<int> first = firstAtPlace(listed.vertices);
+  MeshFile file;
+  file.notes = listed.notes;
+  KeptFaces kept = keptFaces(listed, first);
+  const std::vector<std::array<int, 3>>& triangles = kept.triangles;
+  file.file_face = std::move(kept.file_face);
+  std::vector<int> place_of(listed.vertices.size(), -1);
   for (const std::array<int, 3>& corners : triangles)
     for (const int corner : corners)
       place_of[corner] = 0;
@@ -140,10 +155,10 @@ MeshFile weld(const FileMesh& listed) {
     file.notes.push_back(
         fmt::format("welded {} vertices to {}", listed.vertices.size(), places));
   }
-  if (collapsed > 0)
-    file.notes.push_back(fmt::format("dropped {} faces without area", collapsed));
-  if (repeated > 0)
-    file.notes.push_back(fmt::format("dropped {} faces that are listed before", repeated));
+  if (kept.collapsed > 0)
+    file.notes.push_back(fmt::format("dropped {} faces without area", kept.collapsed));
+  if (kept.repeated > 0)
+    file.notes.push_back(fmt::format("dropped {} faces that are listed before", kept.repeated));
   if (unused > 0)
     file.notes.push_back(fmt::format("left out {} vertices without a face", unused));
   return file;

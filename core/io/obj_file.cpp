@@ -60,7 +60,7 @@ class LineReader {
   int line_ = 1;
 };
 
-const Eigen::Vector3d kNoColor =
+const Eigen::Vector3d no_color =
     Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 
 class ObjReader {
@@ -77,7 +77,7 @@ class ObjReader {
       }
     } while (lines_.nextLine());
     judgeEnd();
-    if (!mesh_.rgb.empty()) mesh_.rgb.resize(mesh_.vertices.size(), kNoColor);
+    if (!mesh_.rgb.empty()) mesh_.rgb.resize(mesh_.vertices.size(), no_color);
     return std::move(mesh_);
   }
 
@@ -128,7 +128,7 @@ class ObjReader {
       channel = numberFrom(lines_.nextWord(), is_number);
       if (!is_number) return;
     }
-    mesh_.rgb.resize(mesh_.vertices.size(), kNoColor);
+    mesh_.rgb.resize(mesh_.vertices.size(), no_color);
     mesh_.rgb.back() = rgb;
   }
 

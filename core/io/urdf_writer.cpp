@@ -108,7 +108,7 @@ std::string kinematicUrdfText(const hand::HandModel& model,
                               const std::string& comment,
                               const std::map<std::string, double>& efforts) {
   HANDGRAFT_REQUIRE(comment.find("--") == std::string::npos);
-  const auto effortOf = [&](const hand::Joint& joint) {
+  const auto effort_of = [&](const hand::Joint& joint) {
     const auto told = efforts.find(joint.name);
     return told == efforts.end() ? 0.0 : told->second;
   };
@@ -117,7 +117,7 @@ std::string kinematicUrdfText(const hand::HandModel& model,
   for (const hand::Link& link : model.links())
     out += fmt::format("  <link name=\"{}\"/>\n", escaped(link.name));
   for (const hand::Joint& joint : model.joints())
-    out += jointText(joint, effortOf(joint));
+    out += jointText(joint, effort_of(joint));
   return out + "</robot>\n";
 }
 

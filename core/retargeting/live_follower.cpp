@@ -25,14 +25,6 @@ constexpr double kLongestStep = 0.0125;  // s
 constexpr double kAngleStep = std::numbers::pi / 36.0;  // rad
 constexpr double kShareStep = 1.0 / 32.0;               // of a segment or the palm
 
-/// Digits, and the palm.
-int partsOfHand(const std::vector<manipulation::DetectedContact>& touches) {
-  std::set<std::string> parts;
-  for (const manipulation::DetectedContact& touch : touches)
-    parts.insert(touch.place.digit);
-  return static_cast<int>(parts.size());
-}
-
 }  // namespace
 
 LiveFollower::LiveFollower(const session::Document& document,
@@ -108,6 +100,14 @@ std::vector<std::string> LiveFollower::touchingDigits() const {
   return session::inOrder(std::move(digits));
 }
 
+/// Digits, and the palm.
+int LiveFollower::partsTouching() const {
+  std::set<std::string> parts;
+  for (const manipulation::DetectedContact& touch : seen_)
+    parts.insert(touch.place.digit);
+  return static_cast<int>(parts.size());
+}
+
 /// For digits that have come since fingers were dealt.
 void LiveFollower::takeFingers() {
   std::vector<std::string> present = touchingDigits();
@@ -124,7 +124,7 @@ double LiveFollower::trustIn(double distance) {
   return 1.0 / (1.0 + share * share);
 }
 
-Eigen::Vector3d LiveFollower::TouchingPart::shown_L() const {
+Eigen::Vector3d LiveFollower::TouchingPart::shownPlace() const {
   return meant->p_L + kSlideShare * slide_L;
 }
 
@@ -143,7 +143,7 @@ void LiveFollower::slide(double share) {
   for (TouchingPart& part : parts_) {
     if (!part.meant || part.presence <= 0.0) continue;
     const auto link = static_cast<std::size_t>(part.meant->link);
-    const double distance = (X_OL[link] * part.shown_L() - part.p_O).norm();
+    const double distance = (X_OL[link] * part.shownPlace() - part.p_O).norm();
     part.trust += share * (trustIn(distance) - part.trust);
     permitted[link] = 1;
     const auto shown_S = placement::rootShownBy(*faces_, X_SO, permitted, part.p_O, part.n_O);
@@ -159,7 +159,7 @@ optimize::PointPair LiveFollower::pairOf(std::size_t index) const {
   const TouchingPart& part = parts_[index];
   optimize::PointPair pair;
   pair.link = part.meant->link;
-  pair.p_L = part.shown_L();
+  pair.p_L = part.shownPlace();
   pair.n_L = (part.meant->n_L + kSlideShare * part.turn_L).normalized();
   pair.p_W = part.p_O;  // the object's frame is the solver's world
   pair.n_W = part.n_O;
@@ -285,10 +285,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   if (begins) {
     for (std::size_t i = 0; i < parts_.size(); ++i)
       parts_[i].presence = is_there[i];
-    if (!beginning_.isDue(time_s, this->touches(), partsOfHand(seen_)) ||
-        !begin(time_s, posture, progress))
-      return std::nullopt;
-    solver_.begin(*last_O_);
+    if (!begin(time_s, posture, progress)) return std::nullopt;
   } else if (paused) {
     solver_.begin(*last_O_);
     searches_.beginAnew(time_s);

@@ -108,8 +108,8 @@ class LiveFollower {
     Eigen::Vector3d turn_L = Eigen::Vector3d::Zero();
     double trust = 1.0;  ///< less, the farther the hand is from showing it
 
-    [[nodiscard]] Eigen::Vector3d shown_L() const;  ///< of a part that has a place
-    void forget();                                  ///< how it was shown
+    [[nodiscard]] Eigen::Vector3d shownPlace() const;  ///< on its link; it has a place
+    void forget();                                     ///< how it was shown
   };
 
   /// A part's place as it is kept for later frames, rounded to what a hand's skin tells apart.
@@ -149,6 +149,7 @@ class LiveFollower {
   [[nodiscard]] optimize::PoseProblem problemTo(const hand::HandPose& goal_O) const;
   void dealAnew(const std::vector<contact::PartDirection>& posture, const Progress& progress);
   [[nodiscard]] std::vector<std::string> touchingDigits() const;
+  [[nodiscard]] int partsTouching() const;
   void takeFingers();
   bool begin(double time_s,
              const std::vector<contact::PartDirection>& posture,

@@ -106,12 +106,14 @@ void LiveFollower::dealAnew(const std::vector<contact::PartDirection>& posture,
 bool LiveFollower::begin(double time_s,
                          const std::vector<contact::PartDirection>& posture,
                          const Progress& progress) {
+  if (!beginning_.isDue(time_s, touches(), partsTouching())) return false;
   Attempt attempt(*this);
   dealAnew(posture, progress);
   if (problemNow().pairs.empty()) return false;
   search(posture, Search::full(), progress);
   if (depthNow(progress) > kDeep && beginning_.putOff(time_s)) return false;
   attempt.keep();
+  solver_.begin(*last_O_);
   return true;
 }
 

@@ -194,6 +194,7 @@ v1::JointLimit limitOf(const std::string& joint, bool upper) {
 std::vector<v1::JointLimit> limitsMessage(const hand::HandModel& model,
                                           const std::vector<optimize::ActiveLimit>& limits) {
   std::vector<v1::JointLimit> messages;
+  messages.reserve(limits.size());
   for (const optimize::ActiveLimit& limit : limits)
     messages.push_back(limitOf(model.dofJoint(limit.dof).name, limit.upper));
   return messages;
