@@ -162,7 +162,7 @@ ContactMap welded(ContactMap map, const std::vector<int>& file_face) {
   listed.file_face = file_face;
   const MeshFile file = weldedMesh(listed);
   const Eigen::Index count = file.mesh.vertexCount();
-  if (count == map.value.size()) return map;
+  if (count == map.value.size() && file.mesh.faceCount() == map.mesh_O.faceCount()) return map;
   ContactMap one;
   one.mesh_O = file.mesh;
   one.segment_names = std::move(map.segment_names);

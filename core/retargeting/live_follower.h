@@ -154,9 +154,10 @@ class LiveFollower {
   bool begin(double time_s,
              const std::vector<contact::PartDirection>& posture,
              const Progress& progress);
-  void search(const std::vector<contact::PartDirection>& posture,
-              const Search& how,
-              const Progress& progress);
+  /// Leaves what it finds in last_O_; how deep that is in the object, m.
+  double search(const std::vector<contact::PartDirection>& posture,
+                const Search& how,
+                const Progress& progress);
   void lookAnew(double time_s,
                 double step_s,
                 const std::vector<contact::PartDirection>& posture,

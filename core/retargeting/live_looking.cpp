@@ -110,16 +110,16 @@ bool LiveFollower::begin(double time_s,
   Attempt attempt(*this);
   dealAnew(posture, progress);
   if (problemNow().pairs.empty()) return false;
-  search(posture, Search::full(), progress);
-  if (depthNow(progress) > kDeep && beginning_.putOff(time_s)) return false;
+  const double depth = search(posture, Search::full(), progress);
+  if (depth > kDeep && beginning_.putOff(time_s)) return false;
   attempt.keep();
   solver_.begin(*last_O_);
   return true;
 }
 
-void LiveFollower::search(const std::vector<contact::PartDirection>& posture,
-                          const Search& how,
-                          const Progress& progress) {
+double LiveFollower::search(const std::vector<contact::PartDirection>& posture,
+                            const Search& how,
+                            const Progress& progress) {
   optimize::PoseProblem problem = problemNow();
   contact::ContactSet shown;
   shown.posture = posture;
@@ -157,9 +157,9 @@ void LiveFollower::search(const std::vector<contact::PartDirection>& posture,
         warm.starts = 1;
         last_O_ = optimize::solve(one, warm, progress).pose;
       }
-      if (how.more_starts == 0) return;  // nobody asks how deep it is
+      if (how.more_starts == 0) return 0.0;  // nobody asks how deep it is
       const double depth = depthNow(progress);
-      if (depth <= kDeep) return;
+      if (depth <= kDeep) return depth;
       if (depth >= least_depth) continue;
       least_depth = depth;
       best_O = last_O_;
@@ -168,6 +168,7 @@ void LiveFollower::search(const std::vector<contact::PartDirection>& posture,
   }
   last_O_ = best_O;
   parts_ = best_parts;
+  return least_depth;
 }
 
 double LiveFollower::depthNow(const Progress& progress) const {
@@ -212,14 +213,15 @@ void LiveFollower::lookAnew(double time_s,
     } else {
       dealAnew(posture, progress);
     }
-    search(posture, Search::full(), progress);
+    const double depth = search(posture, Search::full(), progress);
     const Standing after = standing();
     const bool serves_more =
         fingers_.dealing() != dealing && after.lack < kServesMore * before.lack;
     const bool is_nearer =
         after.shown >= before.shown && after.distance < kBetter * before.distance;
-    const bool is_freed = depth_ > kDeep && depthNow(progress) <= kDeep;
-    if (serves_more || is_nearer || is_freed) {
+    const bool is_freed = depth_ > kDeep && depth <= kDeep;
+    const bool is_caught = depth > kDeep && depth > depth_;
+    if (!is_caught && (serves_more || is_nearer || is_freed)) {
       attempt.keep();
       way_.emplace(here_O, *last_O_, middle_O_, time_s);
       searches_.found(way_->end());

@@ -225,8 +225,10 @@ std::string whyNotBegun(int touches) {
     return fmt::format("{}{} {} of the {} parts that a hand begins with", idl::kOfDemonstrator,
                        idl::kTouchesTooLittle, touches, kEnough);
   }
-  return fmt::format("{}{} {} parts; the hand begins when no more come", idl::kOfDemonstrator,
-                     idl::kTouchesTooLittle, touches);
+  return fmt::format(
+      "{}{} {} parts; the hand begins when no more come and a pose "
+      "out of the object is found",
+      idl::kOfDemonstrator, idl::kTouchesTooLittle, touches);
 }
 
 }  // namespace

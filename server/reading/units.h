@@ -32,11 +32,10 @@ struct MapScale {
 };
 
 /// The first that fits the object, of: the units given for the map, or else the object's own;
-/// and metres. Fits: a hundredth to one and a half of the object's size. If none does:
-/// where units are given, those that make it half to one and a half of the object, or else
-/// they themselves; metres. Errors:
-/// UnitsInDoubt if no units are given and it is too wide for metres; InvalidInput for unknown
-/// units.
+/// and metres. Fits: a hundredth to one and a half of the object's size. If none does, metres;
+/// but where units are given, those that make it half to one and a half of the object, or else
+/// the given ones. Errors: UnitsInDoubt if no units are given and it is too wide for metres;
+/// InvalidInput for unknown units.
 MapScale mapScale(double size,
                   const std::string& units,
                   const std::string& object_units,
