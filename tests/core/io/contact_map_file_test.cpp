@@ -75,6 +75,18 @@ TEST(ContactMapFile, GoesOverSeams) {
   EXPECT_THAT(map.segment_names, ElementsAre("thumb", "index"));
 }
 
+TEST(ContactMapFile, HasEachFaceOnce) {
+  const auto path = test::scratchDirectory() / "twice.ply";
+  std::ofstream(path) << "ply\nformat ascii 1.0\nelement vertex 3\n"
+                         "property float x\nproperty float y\nproperty float z\n"
+                         "property float contact\nelement face 2\n"
+                         "property list uchar int vertex_indices\nend_header\n"
+                         "0 0 0 1\n1 0 0 0.5\n0 1 0 0\n3 0 1 2\n3 1 2 0\n";
+  const contact::ContactMap map = readContactMap(path, {});
+  EXPECT_EQ(map.mesh_O.faceCount(), 1);
+  EXPECT_THAT(map.value, ElementsAre(1.0, 0.5, 0.0));
+}
+
 TEST(ContactMapFile, NamesThePropertyThatIsMissing) {
   const auto path = writeSquare("property float heat\n", {"0.5", "0.25", "1", "0"});
   expectFault(path, {}, "no vertex property 'contact'");
