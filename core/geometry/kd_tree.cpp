@@ -126,6 +126,40 @@ class LowestIndicesNearest {
   std::vector<std::pair<double, std::size_t>> best_;
 };
 
+/// All within a radius, by (distance, index).
+class AllWithin {
+ public:
+  using DistanceType = double;
+
+  explicit AllWithin(double radius)
+      : reach_squared_(
+            std::nextafter(radius * radius, std::numeric_limits<double>::infinity())) {}
+
+  bool addPoint(double distance_squared, std::size_t index) {
+    found_.emplace_back(distance_squared, index);
+    return true;
+  }
+
+  [[nodiscard]] double worstDist() const { return reach_squared_; }
+
+  [[nodiscard]] bool full() const { return true; }
+
+  [[nodiscard]] std::size_t size() const { return found_.size(); }
+
+  [[nodiscard]] std::vector<KdTree::Hit> hits() {
+    std::sort(found_.begin(), found_.end());
+    std::vector<KdTree::Hit> hits;
+    hits.reserve(found_.size());
+    for (const auto& [distance_squared, index] : found_)
+      hits.push_back({static_cast<int>(index), std::sqrt(distance_squared)});
+    return hits;
+  }
+
+ private:
+  double reach_squared_;
+  std::vector<std::pair<double, std::size_t>> found_;
+};
+
 using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>,
                                                   Points,
                                                   3,
@@ -161,6 +195,14 @@ std::vector<KdTree::Hit> KdTree::nearestFew(const Eigen::Vector3d& p, int count)
   requireFinite(p);
   HANDGRAFT_REQUIRE(count >= 1);
   LowestIndicesNearest result(static_cast<std::size_t>(count));
+  tree_->index.findNeighbors(result, p.data(), nanoflann::SearchParams());
+  return result.hits();
+}
+
+std::vector<KdTree::Hit> KdTree::within(const Eigen::Vector3d& p, double radius) const {
+  requireFinite(p);
+  HANDGRAFT_REQUIRE(radius >= 0.0);
+  AllWithin result(radius);
   tree_->index.findNeighbors(result, p.data(), nanoflann::SearchParams());
   return result.hits();
 }

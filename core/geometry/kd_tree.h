@@ -29,6 +29,10 @@ class KdTree {
   /// Errors: InvalidInput if `p` is not finite; `count` >= 1. Cost: O(count log N).
   [[nodiscard]] std::vector<Hit> nearestFew(const Eigen::Vector3d& p, int count) const;
 
+  /// The points no farther than `radius` >= 0 from `p`, by rising distance, then index.
+  /// Errors: InvalidInput if `p` is not finite. Cost: O(log N) and what is found.
+  [[nodiscard]] std::vector<Hit> within(const Eigen::Vector3d& p, double radius) const;
+
  private:
   struct Tree;
   std::unique_ptr<Tree> tree_;

@@ -34,9 +34,10 @@ FileMesh readStl(const std::filesystem::path& path);
 /// coordinates, whose vertices are then not in the file's order.
 FileMesh readScene(const std::filesystem::path& path);
 
-/// Vertices at the same place become one, faces without area and faces listed before go
-/// (MeshFile says which).
-/// Errors: InvalidInput for a vertex that is not finite, and where no face is left.
+/// Vertices at the same place become one, and those of open borders within 5e-4 of the mesh's
+/// diagonal and a tenth of the edges there; faces without area and faces listed before go, and
+/// where every face is there turned over, too, those (MeshFile says which). Errors:
+/// InvalidInput for a vertex that is not finite, and where no face is left.
 MeshFile weldedMesh(const FileMesh& listed);
 
 /// Cuts a polygon into triangles of its corners, 0 to n - 1, by ear clipping in the plane of

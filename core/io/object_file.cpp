@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include <fmt/format.h>
 
 #include "core/base/error.h"
@@ -43,8 +45,29 @@ bool has(const PlyFile& ply, std::initializer_list<const char*> properties) {
   });
 }
 
+/// Says so where no piece is most of the surface: contacts do not spread from one to the next.
+void notePieces(MeshFile& file) {
+  const auto [piece_of, count] = file.mesh.components();
+  if (count < 2) return;
+  std::vector<double> area(static_cast<std::size_t>(count), 0.0);
+  for (int f = 0; f < file.mesh.faceCount(); ++f) {
+    const Eigen::Vector3i corners = file.mesh.face(f);
+    const Eigen::Vector3d a = file.mesh.vertex(corners[0]);
+    area[piece_of[corners[0]]] +=
+        0.5 * (file.mesh.vertex(corners[1]) - a).cross(file.mesh.vertex(corners[2]) - a).norm();
+  }
+  const double most = *std::max_element(area.begin(), area.end());
+  if (most >= 0.5 * file.mesh.area()) return;
+  file.notes.push_back(
+      fmt::format("falls into {} pieces that share no corner, the largest {:.2g} % of the "
+                  "surface: a contact "
+                  "ends where its piece ends",
+                  count, 100.0 * most / file.mesh.area()));
+}
+
 /// A file's mesh in metres, its faces to the outside.
 MeshFile asObject(MeshFile file, const LengthScale& scale) {
+  notePieces(file);
   const double factor = scale ? scale(geometry::mainExtent(file.mesh)) : 1.0;
   if (factor != 1.0)
     file.mesh = geometry::transformed(file.mesh, Eigen::Affine3d(Eigen::Scaling(factor)));

@@ -6,11 +6,17 @@
 
 #include <Eigen/Geometry>
 
+#include <fmt/format.h>
+
+#include "core/base/angle.h"
+
 namespace handgraft::transfer {
 namespace {
 
 constexpr double kShortestEdge = 1e-3;      // of the net's longest
 constexpr double kThinnestTriangle = 0.05;  // height over the longest side
+constexpr double kMuchOfLength = 0.15;
+constexpr double kMuchAngle = 0.262;  // rad
 
 using Triangle = std::array<const NetKnot*, 3>;
 
@@ -120,6 +126,13 @@ class NetComparison {
 
 Fidelity fidelityOf(const std::vector<std::vector<NetKnot>>& rows) {
   return NetComparison(rows).result();
+}
+
+std::string distortionOf(const Fidelity& fidelity) {
+  if (fidelity.distance_mean < kMuchOfLength && fidelity.angle_mean_rad < kMuchAngle) return {};
+  return fmt::format("lengths {:.0f} %, angles {:.0f} deg, area x {:.2f}",
+                     100.0 * fidelity.distance_mean, inDegrees(fidelity.angle_mean_rad),
+                     fidelity.area_ratio);
 }
 
 }  // namespace handgraft::transfer

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
+#include <utility>
 
 #include "server/messages/transfer_messages.h"
 
@@ -43,6 +45,8 @@ v1::TransferReply transferPatches(LiveSession& live, const Progress& progress) {
   reply.revision(live.session().revision());
   reply.patches(patchReports(live.session()));
   reply.notes(live.session().notes());
+  for (std::string& note : distortionNotes(live.session().patches()))
+    reply.notes().push_back(std::move(note));
   reply.transfer_ms(live.took.transfer_ms);
   reply.options(toMessage(live.session().transferOptions()));
   return reply;

@@ -4,6 +4,9 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "core/base/error.h"
 #include "idl/fields.h"
 #include "server/messages/convert.h"
@@ -119,6 +122,20 @@ std::vector<v1::PatchReport> patchReports(const session::Session& session) {
   for (const session::SessionPatch& patch : session.patches())
     reports.push_back(patchReport(patch, *coordinates));
   return reports;
+}
+
+std::vector<std::string> distortionNotes(const std::vector<session::SessionPatch>& patches) {
+  std::vector<std::string> distorted;
+  for (const session::SessionPatch& patch : patches) {
+    if (!patch.placement || patch.transferred.correspondences.empty()) continue;
+    const std::string distortion = transfer::distortionOf(patch.transferred.fidelity);
+    if (!distortion.empty()) distorted.push_back(patch.patch.name + ": " + distortion);
+  }
+  if (distorted.empty()) return {};
+  return {fmt::format(
+      "distorted on the hand, since a surface has holes or folds under the contact, or the "
+      "finger is too thin for it: {}",
+      fmt::join(distorted, "; "))};
 }
 
 v1::PlacementSuggestion toMessage(const transfer::Suggestion& suggestion,

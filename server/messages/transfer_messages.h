@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/hand/finger_coordinates.h"
@@ -26,6 +27,8 @@ v1::Fidelity toMessage(const transfer::Fidelity& fidelity);
 v1::PatchReport patchReport(const session::SessionPatch& patch,
                             const hand::FingerCoordinates& on);
 std::vector<v1::PatchReport> patchReports(const session::Session& session);
+/// What there is to say of patches that came through distorted; no note if none did.
+std::vector<std::string> distortionNotes(const std::vector<session::SessionPatch>& patches);
 v1::PlacementSuggestion toMessage(const transfer::Suggestion& suggestion,
                                   const geometry::TriangleMesh& skin_S);
 

@@ -4,14 +4,19 @@
 #include <set>
 #include <string>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "server/messages/transfer_messages.h"
 
 #include "tests/server/service_fixture.h"
 
 namespace handgraft::server {
 namespace {
 
+using testing::ElementsAre;
+using testing::EndsWith;
 using testing::HasSubstr;
 
 TEST_F(ServiceTest, SolvesAndPublishesOneFinalPose) {
@@ -139,6 +144,20 @@ TEST_F(ServiceTest, TransfersByTheMethodThatTheSessionAskedFor) {
     EXPECT_EQ(patch.boundary_count(), patch.point_count());
   }
   EXPECT_EQ(placed, 2);
+}
+
+TEST(TransferNotes, NameThePatchesThatLostTheirShape) {
+  std::vector<session::SessionPatch> patches(3);
+  for (const int i : {0, 1, 2}) {
+    patches[i].patch.name = fmt::format("patch_{}", i);
+    patches[i].placement.emplace();
+    patches[i].transferred.correspondences.resize(1);
+    patches[i].transferred.fidelity.distance_mean = 0.1 * i;
+  }
+  EXPECT_THAT(distortionNotes(patches),
+              ElementsAre(EndsWith(": patch_2: lengths 20 %, angles 0 deg, area x 1.00")));
+  patches[2].placement.reset();
+  EXPECT_TRUE(distortionNotes(patches).empty());
 }
 
 TEST_F(ServiceTest, RefusesTransferOptionsOutOfRangeByName) {

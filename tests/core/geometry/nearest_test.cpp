@@ -65,11 +65,29 @@ TEST(KdTree, ListsTheNearestFewInOrder) {
   EXPECT_EQ(tree.nearestFew(Eigen::Vector3d::Zero(), 500).size(), 300u);
 }
 
+TEST(KdTree, ListsAllWithinARadius) {
+  Eigen::Matrix3Xd points(3, 5);
+  points.row(0) << 3, 1, 2, -1, 0;  // along a line, whose distances are exact
+  points.bottomRows(2).setZero();
+  const KdTree tree(points);
+  const auto indices = [&](double radius) {
+    std::vector<int> found;
+    for (const KdTree::Hit& hit : tree.within(Eigen::Vector3d::Zero(), radius))
+      found.push_back(hit.index);
+    return found;
+  };
+  EXPECT_EQ(indices(2.0), (std::vector<int>{4, 1, 3, 2}));
+  EXPECT_EQ(indices(1.5), (std::vector<int>{4, 1, 3}));
+  EXPECT_EQ(indices(0.0), (std::vector<int>{4}));
+  EXPECT_TRUE(tree.within({9, 9, 9}, 1.0).empty());
+}
+
 TEST(KdTree, RefusesWhatIsNotFinite) {
   EXPECT_THROW(KdTree(Eigen::Matrix3Xd(3, 0)), InvalidInput);
   EXPECT_THROW(KdTree(Eigen::Matrix3Xd::Constant(3, 1, std::nan(""))), InvalidInput);
   const KdTree one(Eigen::Matrix3Xd::Zero(3, 1));
   EXPECT_THROW(static_cast<void>(one.nearest({std::nan(""), 0, 0})), InvalidInput);
+  EXPECT_THROW(static_cast<void>(one.within({std::nan(""), 0, 0}, 1.0)), InvalidInput);
 }
 
 TEST(SurfaceLocator, FindsTheNearestPlaceOfABox) {

@@ -1,10 +1,12 @@
 #include "core/io/mesh_file.h"
 
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <string>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -109,6 +111,70 @@ TEST(MeshFile, DropsFacesThatAreListedBefore) {
   EXPECT_EQ(file.mesh.faceCount(), 3);
   EXPECT_THAT(file.file_face, ElementsAre(0, 1, 3));
   EXPECT_THAT(file.notes, Contains("dropped 2 faces that are listed before"));
+}
+
+/// A cube of side 1, every face two triangles with corners of their own, each coordinate of
+/// which is off by up to `off`.
+std::string looseCube(double off, bool both_sides = false) {
+  const std::vector<std::array<int, 4>> sides = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                                 {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  std::string vertices;
+  std::string faces;
+  int count = 0;
+  const auto add = [&](int a, int b, int c) {
+    for (const int corner : {a, b, c}) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const double wobble = off * (((7 * count + 3 * axis) % 5) / 2.0 - 1.0) / 2.0;
+        const double at = ((corner >> axis) & 1) != 0 ? 1.0 : 0.0;
+        vertices += fmt::format("{}{:.9f}", axis == 0 ? "v " : " ", at + wobble);
+      }
+      vertices += "\n";
+      ++count;
+    }
+    faces += fmt::format("f {} {} {}\n", count - 2, count - 1, count);
+    if (both_sides) faces += fmt::format("f {} {} {}\n", count - 1, count - 2, count);
+  };
+  for (const std::array<int, 4>& side : sides) {
+    add(side[0], side[1], side[2]);
+    add(side[0], side[2], side[3]);
+  }
+  return vertices + faces;
+}
+
+TEST(MeshFile, JoinsBordersThatMeetWithinARounding) {
+  const MeshFile file = readMesh(write("loose.obj", looseCube(1e-5)));
+  EXPECT_EQ(file.mesh.vertexCount(), 8);
+  EXPECT_EQ(file.mesh.faceCount(), 12);
+  EXPECT_THAT(file.notes, Contains(testing::HasSubstr("border vertices")));
+  EXPECT_EQ(file.mesh_vertex.size(), 36u);
+  for (const int v : file.mesh_vertex)
+    EXPECT_GE(v, 0);
+}
+
+TEST(MeshFile, LeavesPiecesThatAreApart) {
+  const MeshFile file = readMesh(write("apart.obj", looseCube(1e-3)));
+  EXPECT_EQ(file.mesh.faceCount(), 12);
+  EXPECT_GT(file.mesh.vertexCount(), 8);
+}
+
+// Two vertices of a closed mesh that are as near are no seam.
+TEST(MeshFile, LeavesFineDetailOfWhatIsClosed) {
+  const MeshFile file = readMesh(write("needle.obj",
+                                       "v 0 0 0\nv 0.00001 0 0\nv 0 1 0\nv 0 0 1\n"
+                                       "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"));
+  EXPECT_EQ(file.mesh.vertexCount(), 4);
+  EXPECT_EQ(file.mesh.faceCount(), 4);
+}
+
+TEST(MeshFile, TakesOneSideWhereAllFacesAreListedBothWays) {
+  for (const double off : {0.0, 1e-5}) {
+    const MeshFile file = readMesh(write("both.obj", looseCube(off, true)));
+    EXPECT_EQ(file.mesh.faceCount(), 12) << off;
+    EXPECT_NEAR(file.mesh.area(), 6.0, 1e-3);
+    EXPECT_THAT(file.notes, Contains("dropped 12 faces that are others turned over"));
+    for (int f = 0; f < file.mesh.faceCount(); ++f)
+      EXPECT_EQ(file.file_face[f], 2 * f);  // the fronts, which come first
+  }
 }
 
 /// One triangle whose corners lie in the buffer at `uri`.

@@ -54,6 +54,30 @@ TEST(ObjectFile, LaysASurfaceThroughPoints) {
   EXPECT_THAT(object.notes, Contains(HasSubstr("the points are")));
 }
 
+/// `count` boxes in a row, 1 cm apart.
+std::string boxesText(int count) {
+  const geometry::TriangleMesh box = geometry::makeBox({0.06, 0.05, 0.04});
+  std::string text;
+  for (int b = 0; b < count; ++b) {
+    for (int v = 0; v < box.vertexCount(); ++v)
+      text += fmt::format("v {} {} {}\n", box.vertex(v).x() + 0.07 * b, box.vertex(v).y(),
+                          box.vertex(v).z());
+    for (int f = 0; f < box.faceCount(); ++f) {
+      const Eigen::Vector3i corner =
+          box.face(f) + Eigen::Vector3i::Constant(1 + b * box.vertexCount());
+      text += fmt::format("f {} {} {}\n", corner[0], corner[1], corner[2]);
+    }
+  }
+  return text;
+}
+
+TEST(ObjectFile, TellsOfASurfaceInPieces) {
+  EXPECT_TRUE(readObject(write("one.obj", boxesText(1))).notes.empty());
+  EXPECT_THAT(
+      readObject(write("three.obj", boxesText(3))).notes,
+      Contains(HasSubstr("falls into 3 pieces that share no corner, the largest 33 %")));
+}
+
 /// A box with corners as they should be, or each face the other way round, as some scanners
 /// write them; a place on it in the file's own order.
 TEST(ObjectFile, TurnsAMeshThatIsInsideOut) {

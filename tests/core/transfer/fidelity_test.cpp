@@ -4,6 +4,7 @@
 #include <functional>
 #include <numbers>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/geometry/tangent.h"
@@ -87,6 +88,15 @@ TEST(Fidelity, FromAPlaneToASphereIsThatOfItsCircles) {
   EXPECT_NEAR(fidelity.distance_max, 1.0 - std::sin(a) / a, 1e-12);
   // 2 pi R^2 (1 - cos a) against pi r^2; facets of 15 degrees and a quarter of r take 0.5 %.
   EXPECT_NEAR(fidelity.area_ratio, 2.0 * (1.0 - std::cos(a)) / (a * a), 0.005);
+}
+
+TEST(Fidelity, IsToldWhereAPatchDoesNotKeepItsShape) {
+  EXPECT_EQ(distortionOf(fidelityOf(netOf(0.02, plane(), plane(1.1)))), "");
+  EXPECT_EQ(distortionOf(fidelityOf(netOf(0.02, plane(), plane(1.3)))),
+            "lengths 30 %, angles 0 deg, area x 1.69");
+  Fidelity turned;
+  turned.angle_mean_rad = 0.3;
+  EXPECT_THAT(distortionOf(turned), testing::HasSubstr("angles 17 deg"));
 }
 
 TEST(Fidelity, LeavesOutWhatIsLost) {
