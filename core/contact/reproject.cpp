@@ -20,6 +20,11 @@ using geometry::TriangleMesh;
 /// thinned out lie less than 1 mm apart.
 constexpr double kNotableGap = 2e-3;
 
+// Of a map's own mesh: scans of one object by two cameras lie 1 to 2 mm apart.
+constexpr double kOtherShapeGap = 4e-3;  // m
+constexpr double kOtherShapeShare = 0.05;
+constexpr int kVerticesLookedAt = 1000;
+
 /// What is to be said of patches whose roots lie so far off the surface, m; changes the order.
 std::optional<std::string> noteOnGaps(std::vector<double>& gaps) {
   if (gaps.empty()) return std::nullopt;
@@ -110,6 +115,24 @@ ContactSet reproject(const ContactSet& set,
   }
   if (auto note = noteOnGaps(gaps)) result.notes.push_back(std::move(*note));
   return result;
+}
+
+std::optional<std::string> noteOnOtherShape(const TriangleMesh& map_O,
+                                            const TriangleMesh& object_O) {
+  const SurfaceLocator object(object_O);
+  const int step = 1 + map_O.vertexCount() / kVerticesLookedAt;
+  int looked_at = 0;
+  int off = 0;
+  for (int v = 0; v < map_O.vertexCount(); v += step) {
+    ++looked_at;
+    off += object.nearest(map_O.vertex(v), kOtherShapeGap) ? 0 : 1;
+  }
+  if (off < kOtherShapeShare * looked_at || off == 0) return std::nullopt;
+  return fmt::format(
+      "{:.0f} % of the map's own mesh lie more than {:.0f} mm off the object's surface; the "
+      "map "
+      "is of another object, or in another place of it",
+      100.0 * off / looked_at, kOtherShapeGap * 1e3);
 }
 
 }  // namespace handgraft::contact

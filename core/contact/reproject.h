@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "core/contact/contact_set.h"
 #include "core/geometry/triangle_mesh.h"
 
@@ -18,5 +21,11 @@ ContactSet reproject(const ContactSet& set,
                      const geometry::TriangleMesh& from_O,
                      const geometry::TriangleMesh& to_O,
                      double reach_m = 0.005);
+
+/// What to say where a twentieth of a contact map's mesh or more lies over 4 mm off the
+/// object's surface: a map of another object, or moved along it, whose contacts may well lie on
+/// it. Units: metres. Cost: O(log F) for each of 1,000 vertices.
+std::optional<std::string> noteOnOtherShape(const geometry::TriangleMesh& map_O,
+                                            const geometry::TriangleMesh& object_O);
 
 }  // namespace handgraft::contact

@@ -68,6 +68,21 @@ TEST(Carry, NotesASurfaceThatLiesSomeMillimetresOff) {
               ElementsAre(HasSubstr("contacts lie 4.0 mm off the object's surface")));
 }
 
+// Moved along a bar, every side lies on it still, and the contacts with it: the ends tell.
+TEST(OtherShape, IsToldByTheMapsWholeMesh) {
+  const TriangleMesh bar = geometry::makeBox({0.03, 0.03, 0.2});
+  const auto moved = [&](double along) {
+    return geometry::transformed(
+        bar, Eigen::Affine3d(Eigen::Translation3d(along * Eigen::Vector3d::UnitZ())));
+  };
+  EXPECT_FALSE(noteOnOtherShape(moved(0.003), bar));
+  EXPECT_THAT(noteOnOtherShape(moved(0.008), bar).value_or(""),
+              HasSubstr("more than 4 mm off the object's surface"));
+  EXPECT_TRUE(noteOnOtherShape(geometry::makeBox({0.03, 0.05, 0.2}), bar));
+  // Thinned out, it is the same one.
+  EXPECT_FALSE(noteOnOtherShape(geometry::makeSphere(0.04, 2), geometry::makeSphere(0.04, 4)));
+}
+
 TEST(Carry, RefusesAnotherObject) {
   const TriangleMesh plate = test::makePlate(4, 4, 0.01);
   const TriangleMesh elsewhere =
