@@ -4,6 +4,7 @@
 #include <chrono>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/messages/transfer_messages.h"
 
@@ -40,13 +41,18 @@ v1::TransferReply transferPatches(LiveSession& live, const Progress& progress) {
     throw;
   }
   live.settle(live.cycle().wasSolved() ? v1::PHASE_READY : v1::PHASE_OPEN);
+  const auto& patches = live.session().patches();
   v1::TransferReply reply;
   reply.session_id(live.id());
   reply.revision(live.session().revision());
   reply.patches(patchReports(live.session()));
   reply.notes(live.session().notes());
-  for (std::string& note : distortionNotes(live.session().patches()))
-    reply.notes().push_back(std::move(note));
+  const auto add = [&](std::vector<std::string> notes) {
+    for (std::string& note : notes)
+      reply.notes().push_back(std::move(note));
+  };
+  add(sizeNotes(patches, live.session().object(), live.session().hand().skin->mesh()));
+  add(distortionNotes(patches));
   reply.transfer_ms(live.took.transfer_ms);
   reply.options(toMessage(live.session().transferOptions()));
   return reply;

@@ -4,16 +4,21 @@
 #include <string>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "core/base/error.h"
+#include "core/geometry/main_extent.h"
 #include "idl/fields.h"
 #include "server/messages/convert.h"
 
 namespace handgraft::server {
 
 namespace {
+
+constexpr double kWidestGrasp = 0.4;  // m; twice what a large hand spans
 
 v1::LostPoint toMessage(const transfer::LostPoint& lost) {
   v1::LostPoint message;
@@ -136,6 +141,22 @@ std::vector<std::string> distortionNotes(const std::vector<session::SessionPatch
       "distorted on the hand, since a surface has holes or folds under the contact, or the "
       "finger is too thin for it: {}",
       fmt::join(distorted, "; "))};
+}
+
+std::vector<std::string> sizeNotes(const std::vector<session::SessionPatch>& patches,
+                                   const geometry::TriangleMesh& object_O,
+                                   const geometry::TriangleMesh& skin_S) {
+  Eigen::AlignedBox3d roots_O;
+  for (const session::SessionPatch& patch : patches)
+    roots_O.extend(geometry::positionOf(object_O, patch.patch.root));
+  if (patches.size() < 2 || roots_O.diagonal().norm() < kWidestGrasp) return {};
+  const double hand = geometry::mainExtent(skin_S);
+  if (roots_O.diagonal().norm() < 2.0 * hand) return {};
+  return {
+      fmt::format("the contacts lie {:.2f} m apart and the hand is {:.2f} m across: is the "
+                  "object in metres "
+                  "(--units mm, cm)?",
+                  roots_O.diagonal().norm(), hand)};
 }
 
 v1::PlacementSuggestion toMessage(const transfer::Suggestion& suggestion,

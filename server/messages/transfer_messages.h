@@ -29,6 +29,11 @@ v1::PatchReport patchReport(const session::SessionPatch& patch,
 std::vector<v1::PatchReport> patchReports(const session::Session& session);
 /// What there is to say of patches that came through distorted; no note if none did.
 std::vector<std::string> distortionNotes(const std::vector<session::SessionPatch>& patches);
+/// A note where contacts lie farther apart than any hand reaches, the session's own included:
+/// an object in other units than metres. Roots on `object_O`; none for fewer than two.
+std::vector<std::string> sizeNotes(const std::vector<session::SessionPatch>& patches,
+                                   const geometry::TriangleMesh& object_O,
+                                   const geometry::TriangleMesh& skin_S);
 v1::PlacementSuggestion toMessage(const transfer::Suggestion& suggestion,
                                   const geometry::TriangleMesh& skin_S);
 

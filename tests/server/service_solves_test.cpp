@@ -160,6 +160,18 @@ TEST(TransferNotes, NameThePatchesThatLostTheirShape) {
   EXPECT_TRUE(distortionNotes(patches).empty());
 }
 
+TEST(TransferNotes, AskForTheUnitsOfAnObjectThatIsTooLarge) {
+  const auto notes_at = [](double side) {
+    const geometry::TriangleMesh box = geometry::makeBox(Eigen::Vector3d::Constant(side));
+    std::vector<session::SessionPatch> patches(2);
+    patches[0].patch.root = geometry::surfacePointAtVertex(box, 0);
+    patches[1].patch.root = geometry::surfacePointAtVertex(box, 7);
+    return sizeNotes(patches, box, geometry::makeBox(Eigen::Vector3d::Constant(0.1)));
+  };
+  EXPECT_TRUE(notes_at(0.2).empty());
+  EXPECT_THAT(notes_at(1.0), ElementsAre(HasSubstr("hand is 0.17 m across")));
+}
+
 TEST_F(ServiceTest, RefusesTransferOptionsOutOfRangeByName) {
   loadSmallGrasp();
   const v1::Reply method = bus.ask(openSmallSessionWith(static_cast<v1::LogMapMethod>(99), 0));
