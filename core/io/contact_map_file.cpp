@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -62,11 +63,20 @@ std::vector<int> labelsOf(const Eigen::VectorXd& column, const std::string& prop
   return labels;
 }
 
+std::vector<std::string> namesOf(const std::map<std::string, Eigen::VectorXd>& columns) {
+  std::vector<std::string> names;
+  for (const auto& [name, values] : columns)
+    names.push_back(name);
+  return names;
+}
+
 const Eigen::VectorXd& columnOf(const PlyFile& ply, const std::string& property) {
   const auto column = ply.vertex.find(property);
   if (column == ply.vertex.end()) {
-    if (ply.face_properties.empty())
-      rejectInput("no vertex property {}, which this contact map needs", quoted(property));
+    if (ply.face_properties.empty()) {
+      rejectInput("no vertex property {}, which this contact map needs; it has {}",
+                  quoted(property), fmt::join(namesOf(ply.vertex), ", "));
+    }
     rejectInput(
         "no vertex property {}, which this contact map needs; "
         "its faces have {}, and what faces say is not read: "

@@ -90,6 +90,7 @@ TEST(ContactMapFile, HasEachFaceOnce) {
 TEST(ContactMapFile, NamesThePropertyThatIsMissing) {
   const auto path = writeSquare("property float heat\n", {"0.5", "0.25", "1", "0"});
   expectFault(path, {}, "no vertex property 'contact'");
+  expectFault(path, {}, "it has heat, x, y, z");
   expectFault(path, {.value_property = "heat", .label_property = "part"}, "property 'part'");
   expectFault(path, {.color_scale = "inferno"}, "property 'red'");
 }
