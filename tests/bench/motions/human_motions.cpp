@@ -305,7 +305,8 @@ void runHumanMotions(const fs::path& data,
                      const fs::path& library,
                      const fs::path& cache,
                      HumanWays ways,
-                     const fs::path& folder) {
+                     const fs::path& folder,
+                     const fs::path& pictures) {
   const hand::Hand human = readHuman(data / "contacts/grab_sequences", cache);
   const Fingertips tips = fingertipsOf(human);
   std::vector<hand::Hand> hands;
@@ -331,7 +332,7 @@ void runHumanMotions(const fs::path& data,
                  sequence.object_O, human, hand, figures);
       printLiveRow(sequence.name, hand, figures);
     }
-  if (ways == HumanWays::kLive) runLiveGrasps(data, cache, hands);
+  if (ways == HumanWays::kLive) runLiveGrasps(data, cache, hands, pictures);
 }
 
 }  // namespace handgraft::bench

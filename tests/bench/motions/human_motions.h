@@ -18,11 +18,13 @@ enum class HumanWays {
 /// session::motionOfPosedHand does. All three ways are measured by the same correspondences.
 /// `data`: as for `motions`; `library`: the built-in models, of which human20 follows, too;
 /// empty: it does not. `folder`: hands to follow
-/// instead; empty: those of the data. Errors: InvalidInput naming what cannot be read.
+/// instead; empty: those of the data. `pictures`: as for `runLiveGrasps`. Errors: InvalidInput
+/// naming what cannot be read.
 void runHumanMotions(const std::filesystem::path& data,
                      const std::filesystem::path& library,
                      const std::filesystem::path& cache,
                      HumanWays ways,
-                     const std::filesystem::path& folder);
+                     const std::filesystem::path& folder,
+                     const std::filesystem::path& pictures);
 
 }  // namespace handgraft::bench

@@ -9,6 +9,7 @@
 
 #include "tests/bench/hand_import.h"
 #include "tests/bench/motions/live_motions.h"
+#include "tests/bench/motions/live_pictures.h"
 #include "tests/bench/retargeting/demonstration.h"
 #include "tests/bench/retargeting/retargeted_grasp.h"
 
@@ -45,7 +46,8 @@ std::vector<demonstration::PosedFrame> closingOn(const Demonstration& grasp) {
 
 void runLiveGrasps(const fs::path& data,
                    const fs::path& cache,
-                   const std::vector<hand::Hand>& hands) {
+                   const std::vector<hand::Hand>& hands,
+                   const fs::path& pictures) {
   const DemonstrationFile file(data / "contacts/dexycb/dexycb_grasps.json",
                                {data / "objects/ycb", data / "objects/ycb_dexycb"});
   const std::vector<fs::path> urdfs = urdfsIn({(data / "hands").string()});
@@ -64,9 +66,13 @@ void runLiveGrasps(const fs::path& data,
   }
   for (const hand::Hand& hand : hands) {
     LiveFigures figures;
-    for (const Demonstration& grasp : grasps)
-      followLive(grasp.contacts, closingOn(grasp), grasp.object->mesh_O, demonstrator.hand,
-                 hand, figures);
+    for (const Demonstration& grasp : grasps) {
+      const std::vector<demonstration::PosedFrame> frames = closingOn(grasp);
+      const std::vector<LiveFrame> shown = followLive(
+          grasp.contacts, frames, grasp.object->mesh_O, demonstrator.hand, hand, figures);
+      if (!pictures.empty())
+        drawLiveGrasp(pictures, grasp, *demonstrator.hand.model, *hand.model, frames, shown);
+    }
     printLiveRow("recorded grasps", hand, figures);
   }
 }

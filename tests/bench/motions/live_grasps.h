@@ -12,9 +12,11 @@ namespace handgraft::bench {
 /// as of `printLiveRow`, for all of them together.
 ///
 /// `data`: the folder of contacts, hands and objects. Errors: InvalidInput naming what cannot
-/// be read; grasps that touch nothing are left out.
+/// be read; grasps that touch nothing are left out. `pictures`: folder for one a hand and
+/// grasp, as of `drawLiveGrasp`; empty: none.
 void runLiveGrasps(const std::filesystem::path& data,
                    const std::filesystem::path& cache,
-                   const std::vector<hand::Hand>& hands);
+                   const std::vector<hand::Hand>& hands,
+                   const std::filesystem::path& pictures);
 
 }  // namespace handgraft::bench

@@ -24,6 +24,23 @@ void LiveFigures::add(const retargeting::LiveFollower::Answer& answer) {
   past += answer.depths.object_m > 2e-3 ? 1 : 0;
 }
 
+namespace {
+
+LiveFrame shownBy(const retargeting::LiveFollower::Answer& answer,
+                  const hand::HandPose& pose_O) {
+  LiveFrame frame;
+  frame.pose_O = pose_O;
+  frame.touches = answer.touches;
+  frame.is_led = answer.is_on_its_way;
+  for (const retargeting::LiveFollower::PartFit& fit : answer.parts) {
+    frame.reached += fit.reached ? 1 : 0;
+    frame.mean_mm += fit.distance_mm / static_cast<double>(answer.parts.size());
+  }
+  return frame;
+}
+
+}  // namespace
+
 void printLiveHeading() {
   std::printf(
       "| sequence | hand | frames answered | touches reached %% | mean mm | facing deg | "
@@ -32,15 +49,16 @@ void printLiveHeading() {
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 }
 
-void followLive(const contact::ContactSet& contacts,
-                const std::vector<demonstration::PosedFrame>& frames,
-                const std::shared_ptr<const geometry::TriangleMesh>& object_O,
-                const hand::Hand& demonstrator,
-                const hand::Hand& hand,
-                LiveFigures& figures) {
+std::vector<LiveFrame> followLive(const contact::ContactSet& contacts,
+                                  const std::vector<demonstration::PosedFrame>& frames,
+                                  const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+                                  const hand::Hand& demonstrator,
+                                  const hand::Hand& hand,
+                                  LiveFigures& figures) {
   const session::Session session(hand, object_O, contacts, Pose::Identity(), {});
   demonstration::PosedHandTracker tracker(demonstrator, object_O, Progress());
   retargeting::LiveFollower follower(session.document(), hand, object_O, Progress());
+  std::vector<LiveFrame> shown;
   std::optional<hand::HandPose> before_O;
   bool was_led = false;
   for (const demonstration::PosedFrame& frame : frames) {
@@ -50,6 +68,7 @@ void followLive(const contact::ContactSet& contacts,
         follower.follow(frame.time_s, frame.X_WO, tracker.see(frame.pose, frame.X_WO),
                         tracker.postureOf(frame.pose, frame.X_WO), Progress());
     const double ms = threadMilliseconds() - begin;
+    shown.emplace_back();
     if (!answer) {
       if (follower.touches() >= retargeting::LiveFollower::kTouchesToBegin)
         figures.touches += follower.touches();
@@ -70,7 +89,9 @@ void followLive(const contact::ContactSet& contacts,
     }
     was_led = answer->is_on_its_way;
     before_O = now_O;
+    shown.back() = shownBy(*answer, now_O);
   }
+  return shown;
 }
 
 void printLiveRow(const std::string& name, const hand::Hand& hand, const LiveFigures& figures) {

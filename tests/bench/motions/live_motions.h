@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,15 +37,25 @@ struct LiveFigures {
   void add(const retargeting::LiveFollower::Answer& answer);
 };
 
-/// Adds a recorded hand followed live, frame by frame, as a session does it.
+/// What a live hand showed in one frame.
+struct LiveFrame {
+  std::optional<hand::HandPose> pose_O;  ///< none: it waits
+  int touches = 0;
+  int reached = 0;
+  double mean_mm = 0.0;  ///< of the touches that it shows
+  bool is_led = false;   ///< on its way to another pose
+};
+
+/// Adds a recorded hand followed live, frame by frame, as a session does it. Poses of the hand
+/// in O, one a frame; none where there is no answer.
 ///
 /// `contacts`: a session has some; a live hand takes nothing of them.
-void followLive(const contact::ContactSet& contacts,
-                const std::vector<demonstration::PosedFrame>& frames,
-                const std::shared_ptr<const geometry::TriangleMesh>& object_O,
-                const hand::Hand& demonstrator,
-                const hand::Hand& hand,
-                LiveFigures& figures);
+std::vector<LiveFrame> followLive(const contact::ContactSet& contacts,
+                                  const std::vector<demonstration::PosedFrame>& frames,
+                                  const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+                                  const hand::Hand& demonstrator,
+                                  const hand::Hand& hand,
+                                  LiveFigures& figures);
 
 /// The heading of the rows.
 void printLiveHeading();

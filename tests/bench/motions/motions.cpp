@@ -54,6 +54,7 @@ struct MotionsArguments {
   bool human = false;
   bool live = false;
   std::string hands;
+  std::string pictures;
 };
 
 /// A recorded sequence laid onto the hand that it was made for.
@@ -328,7 +329,7 @@ void runMotions(const MotionsArguments& arguments) {
                     arguments.live           ? HumanWays::kLive
                     : arguments.no_baselines ? HumanWays::kContacts
                                              : HumanWays::kAll,
-                    arguments.hands);
+                    arguments.hands, arguments.pictures);
     return;
   }
   if (!arguments.library.empty()) {
@@ -401,6 +402,11 @@ void addMotionsCommand(CLI::App& app) {
   command
       ->add_option("--hands", arguments->hands,
                    "With --human: by every hand of this folder instead")
+      ->needs(human);
+  command
+      ->add_option(
+          "--pictures", arguments->pictures,
+          "With --live: folder for pictures of the recorded grasps, one a hand and grasp")
       ->needs(human);
   command->add_flag("--offline", arguments->offline_only, "All frames at once alone");
   command->add_option(
