@@ -19,13 +19,15 @@ bool LiveBeginning::isDue(double time_s, int touches, int digits) {
   const bool is_slow = last_s_ && time_s - *last_s_ >= kQuiet;
   last_s_ = time_s;
   const int before = std::exchange(touches_, touches);
+  const bool is_pinch = touches >= kTouchesToPinch && digits >= kTouchesToPinch;
+  if (!is_pinch) pinch_s_.reset();
+  if (is_pinch && (is_first || !pinch_s_)) pinch_s_ = time_s;
+  if (is_first || (!is_pinch && touches < kTouchesToBegin)) not_before_s_ = time_s;
   if (touches < kTouchesToBegin) {
     enough_s_.reset();
-    is_due_ = false;
-    not_before_s_ = time_s;
-    return false;
+    is_due_ = is_pinch && time_s >= *pinch_s_ + kMostWait;
+    return is_due_ && time_s >= not_before_s_;
   }
-  if (is_first) not_before_s_ = time_s;
   if (is_first || !enough_s_) enough_s_ = time_s;
   if (touches > before) grew_s_ = time_s;
   is_due_ = is_due_ || is_first || is_slow || (digits > 1 && time_s >= grew_s_ + kQuiet) ||
@@ -34,7 +36,8 @@ bool LiveBeginning::isDue(double time_s, int touches, int digits) {
 }
 
 bool LiveBeginning::putOff(double time_s) {
-  if (!enough_s_ || time_s >= *enough_s_ + kMostPutOff) return false;
+  const std::optional<double> since_s = enough_s_ ? enough_s_ : pinch_s_;
+  if (!since_s || time_s >= *since_s + kMostPutOff) return false;
   not_before_s_ = time_s + kAgain;
   return true;
 }

@@ -15,10 +15,14 @@ constexpr double kLivePause = 0.25;
 class LiveBeginning {
  public:
   static constexpr int kTouchesToBegin = 3;
+  static constexpr int kTouchesToPinch = 2;
 
   /// Frame by frame: whether as many touch, of two digits or more (the palm is one), and no
   /// more have come for 75 ms, or as many have touched for 250 ms. In the first frame, and
   /// behind a pause, nothing tells that more come. It stays due while as many touch.
+  ///
+  /// Two of two digits, a pinch, are enough where they have touched for 250 ms: about the line
+  /// through both the hand is then held as the demonstrator's is.
   bool isDue(double time_s, int touches, int digits);
 
   /// No good pose was found: it is due again 0.1 s later. False where as many have touched for
@@ -28,6 +32,7 @@ class LiveBeginning {
  private:
   std::optional<double> last_s_;
   std::optional<double> enough_s_;  ///< since when there are as many
+  std::optional<double> pinch_s_;   ///< since when two digits touch
   double grew_s_ = 0.0;
   int touches_ = 0;
   bool is_due_ = false;

@@ -38,7 +38,8 @@ namespace handgraft::retargeting {
 /// most. So it is where a finger has touched for as long and none of the hand's shows it, and
 /// where it is more than 2 mm inside the object.
 ///
-/// It begins when three parts or more touch and no more come (LiveBeginning): the best pose of
+/// It begins when three parts or more touch and no more come, or two fingers pinch
+/// (LiveBeginning): the best pose of
 /// that frame alone, from many starts, where these leave it open held as the demonstrator's
 /// hand is. After
 /// a pause of 0.25 s, or where time has run backwards by as much, it goes on from where the

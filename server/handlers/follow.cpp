@@ -222,8 +222,9 @@ std::optional<retargeting::LiveFollower::Answer> answerTo(LiveSession& live,
 std::string whyNotBegun(int touches) {
   constexpr int kEnough = retargeting::LiveFollower::kTouchesToBegin;
   if (touches < kEnough) {
-    return fmt::format("{}{} {} of the {} parts that a hand begins with", idl::kOfDemonstrator,
-                       idl::kTouchesTooLittle, touches, kEnough);
+    return fmt::format(
+        "{}{} {} of the {} parts that a hand begins with; two of two fingers that stay do, too",
+        idl::kOfDemonstrator, idl::kTouchesTooLittle, touches, kEnough);
   }
   return fmt::format(
       "{}{} {} parts; the hand begins when no more come and a pose "

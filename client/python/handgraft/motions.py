@@ -99,8 +99,8 @@ class Demonstrator:
     Each frame tells where the demonstrator's hand and the object are; the server finds where they touch and
     answers by a pose, which `Session.watch` and all other watchers see, too. `Pose.time_s` tells of which frame,
     `Pose.patches` how the hand meets each part that touches now (``index_tip``, ``palm_1``), `Pose.depth` how deep it is.
-    It begins once the demonstrator touches the object with three parts of the hand and no more come. A session follows one
-    demonstrator at a time.
+    It begins once the demonstrator touches the object with three parts of the hand and no more come, or has pinched it
+    between two fingers for a quarter of a second. A session follows one demonstrator at a time.
     """
 
     def __init__(self, session: Session, chirality: str):

@@ -1,5 +1,6 @@
 #include "core/retargeting/live_beginning.h"
 
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -59,6 +60,39 @@ TEST(LiveBeginning, OfOneFingerAloneWaitsAQuarterOfASecond) {
   EXPECT_NEAR(dueIn(frames, 1).value_or(0.0), 0.75, 0.0101);
 }
 
+// Two fingers, each with its tip; three begin when no more come.
+TEST(LiveBeginning, APinchWaitsAQuarterOfASecond) {
+  const auto due_with = [](double third_s) {
+    return dueIn(framesOf(2.0,
+                          [=](double t) {
+                            return t < 0.495 ? 1 : t < third_s ? 2 : 3;
+                          }),
+                 2)
+        .value_or(0.0);
+  };
+  EXPECT_NEAR(due_with(9.0), 0.75, 0.0101);
+  EXPECT_NEAR(due_with(0.555), 0.64, 0.0101);
+  // What opens and closes has not touched for long.
+  EXPECT_FALSE(dueIn(framesOf(2.0,
+                              [](double t) {
+                                return std::fmod(t, 0.3) < 0.2 ? 2 : 1;
+                              }),
+                     2));
+}
+
+TEST(LiveBeginning, APinchIsPutOffAsWell) {
+  LiveBeginning beginning;
+  std::vector<double> times;
+  for (int k = 0; k <= 300; ++k) {
+    if (!beginning.isDue(0.01 * k, 2, 2)) continue;
+    times.push_back(0.01 * k);
+    if (!beginning.putOff(0.01 * k)) break;
+  }
+  ASSERT_GT(times.size(), 2u);
+  EXPECT_NEAR(times[1], times[0] + 0.1, 0.0101);
+  EXPECT_NEAR(times.back(), 1.0, 0.11);
+}
+
 // Every tenth of a second, for a second.
 TEST(LiveBeginning, IsPutOffWhereNoGoodPoseIsFound) {
   LiveBeginning beginning;
@@ -74,12 +108,16 @@ TEST(LiveBeginning, IsPutOffWhereNoGoodPoseIsFound) {
 }
 
 TEST(LiveBeginning, IsNotDueWithLessThanThree) {
-  EXPECT_FALSE(dueIn(framesOf(2.0, [](double) {
+  const Frames two = framesOf(2.0, [](double) {
     return LiveBeginning::kTouchesToBegin - 1;
+  });
+  EXPECT_FALSE(dueIn(two, 1)) << "of one finger";
+  EXPECT_FALSE(dueIn(framesOf(2.0, [](double) {
+    return LiveBeginning::kTouchesToPinch - 1;
   })));
   // Nor by touches that were there before.
   const auto due = dueIn(framesOf(2.0, [](double t) {
-    return t < 0.105 ? 0 : t < 0.155 ? 4 : t < 0.995 ? 2 : 4;
+    return t < 0.105 ? 0 : t < 0.155 ? 4 : t < 0.995 ? 1 : 4;
   }));
   ASSERT_TRUE(due);
   EXPECT_NEAR(*due, 1.08, 0.0101);

@@ -394,5 +394,40 @@ TEST_F(LiveFollowing, IsTurnedAsTheDemonstratorsHandWhereFewTouch) {
   }
 }
 
+// Two touches leave it free to turn about the line through both as well.
+TEST_F(LiveFollowing, APinchIsHeldAsTheDemonstratorHoldsIt) {
+  const hand::Hand hand = test::handOfLibrary("human20");
+  session::Session opened(hand, grasp.ball, grasp.contacts, Pose::Identity(), {});
+  const hand::HandPose shown = opened.solve({}, {}, Progress()).report.pose;
+  demonstration::PosedHandTracker tracker(hand, grasp.ball, Progress());
+  std::vector<manipulation::DetectedContact> pinch;
+  for (const manipulation::DetectedContact& touch : tracker.see(shown, Pose::Identity())) {
+    const bool is_known =
+        std::any_of(pinch.begin(), pinch.end(), [&](const manipulation::DetectedContact& one) {
+          return one.place.digit == touch.place.digit;
+        });
+    if ((touch.place.digit == "thumb" || touch.place.digit == "index") && !is_known)
+      pinch.push_back(touch);
+  }
+  ASSERT_EQ(pinch.size(), 2u);
+  LiveFollower follower(opened.document(), hand, grasp.ball, Progress());
+  const auto at = [&](double time_s,
+                      const std::vector<manipulation::DetectedContact>& touches) {
+    return follower.follow(time_s, Pose::Identity(), touches,
+                           tracker.postureOf(shown, Pose::Identity()), Progress());
+  };
+  EXPECT_FALSE(at(0.0, {}));
+  std::optional<LiveFollower::Answer> answer;
+  int frames = 0;
+  while (!answer && frames < 60)
+    answer = at(++frames / 100.0, pinch);
+  ASSERT_TRUE(answer);
+  EXPECT_NEAR(frames, 26, 1) << "a quarter of a second later, since fingers may follow";
+  EXPECT_EQ(answer->parts.size(), 2u);
+  EXPECT_LT(meanDistance(*answer), 2.0);
+  const Pose moved = answer->pose.X_WH * inverse(shown.X_WH);
+  EXPECT_LT(vectorFromRotation(moved.linear()).norm(), 0.1);
+}
+
 }  // namespace
 }  // namespace handgraft::retargeting
