@@ -129,9 +129,8 @@ std::optional<std::string> noteOnOtherShape(const TriangleMesh& map_O,
   }
   if (off < kOtherShapeShare * looked_at || off == 0) return std::nullopt;
   return fmt::format(
-      "{:.0f} % of the map's own mesh lie more than {:.0f} mm off the object's surface; the "
-      "map "
-      "is of another object, or in another place of it",
+      "{:.0f} % of the map's own mesh lie more than {:.0f} mm off the object's surface; "
+      "the map is of another object, or in another place of it",
       100.0 * off / looked_at, kOtherShapeGap * 1e3);
 }
 

@@ -90,6 +90,15 @@ class LowestIndexNearest {
   std::size_t index_ = kNone;
 };
 
+/// Of squared distances and indices, in their order.
+std::vector<KdTree::Hit> hitsOf(const std::vector<std::pair<double, std::size_t>>& found) {
+  std::vector<KdTree::Hit> hits;
+  hits.reserve(found.size());
+  for (const auto& [distance_squared, index] : found)
+    hits.push_back({static_cast<int>(index), std::sqrt(distance_squared)});
+  return hits;
+}
+
 /// The nearest few, by (distance, index); equals of the farthest are offered, as above.
 class LowestIndicesNearest {
  public:
@@ -113,13 +122,7 @@ class LowestIndicesNearest {
 
   [[nodiscard]] std::size_t size() const { return best_.size(); }
 
-  [[nodiscard]] std::vector<KdTree::Hit> hits() const {
-    std::vector<KdTree::Hit> hits;
-    hits.reserve(best_.size());
-    for (const auto& [distance_squared, index] : best_)
-      hits.push_back({static_cast<int>(index), std::sqrt(distance_squared)});
-    return hits;
-  }
+  [[nodiscard]] std::vector<KdTree::Hit> hits() const { return hitsOf(best_); }
 
  private:
   std::size_t count_;
@@ -148,11 +151,7 @@ class AllWithin {
 
   [[nodiscard]] std::vector<KdTree::Hit> hits() {
     std::sort(found_.begin(), found_.end());
-    std::vector<KdTree::Hit> hits;
-    hits.reserve(found_.size());
-    for (const auto& [distance_squared, index] : found_)
-      hits.push_back({static_cast<int>(index), std::sqrt(distance_squared)});
-    return hits;
+    return hitsOf(found_);
   }
 
  private:

@@ -425,8 +425,11 @@ ContactSet contactsFromMap(const ContactMap& map,
   const std::vector<std::string> unlisted =
       notesOnUnlistedLinks(map, thresholdOf(on_mesh, options));
   set.notes.insert(set.notes.begin(), unlisted.begin(), unlisted.end());
-  return sameMesh(on_mesh.mesh_O, object.mesh) ? set
-                                               : reproject(set, on_mesh.mesh_O, object.mesh);
+  if (sameMesh(on_mesh.mesh_O, object.mesh)) return set;
+  ContactSet carried = reproject(set, on_mesh.mesh_O, object.mesh);
+  if (auto note = contact::noteOnOtherShape(on_mesh.mesh_O, object.mesh))
+    carried.notes.push_back(std::move(*note));
+  return carried;
 }
 
 ContactSet readContacts(const std::filesystem::path& path,

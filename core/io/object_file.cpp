@@ -60,8 +60,7 @@ void notePieces(MeshFile& file) {
   if (most >= 0.5 * file.mesh.area()) return;
   file.notes.push_back(
       fmt::format("falls into {} pieces that share no corner, the largest {:.2g} % of the "
-                  "surface: a contact "
-                  "ends where its piece ends",
+                  "surface: a contact ends where its piece ends",
                   count, 100.0 * most / file.mesh.area()));
 }
 

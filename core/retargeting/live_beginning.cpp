@@ -25,9 +25,11 @@ bool LiveBeginning::isDue(double time_s, int touches, int digits) {
   if (is_first || (!is_pinch && touches < kTouchesToBegin)) not_before_s_ = time_s;
   if (touches < kTouchesToBegin) {
     enough_s_.reset();
-    is_due_ = is_pinch && time_s >= *pinch_s_ + kMostWait;
-    return is_due_ && time_s >= not_before_s_;
+    is_due_ = false;
+    is_pinch_due_ = is_pinch && (is_pinch_due_ || is_first || time_s >= *pinch_s_ + kMostWait);
+    return is_pinch_due_ && time_s >= not_before_s_;
   }
+  is_pinch_due_ = false;
   if (is_first || !enough_s_) enough_s_ = time_s;
   if (touches > before) grew_s_ = time_s;
   is_due_ = is_due_ || is_first || is_slow || (digits > 1 && time_s >= grew_s_ + kQuiet) ||

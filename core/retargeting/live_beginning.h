@@ -21,8 +21,8 @@ class LiveBeginning {
   /// more have come for 75 ms, or as many have touched for 250 ms. In the first frame, and
   /// behind a pause, nothing tells that more come. It stays due while as many touch.
   ///
-  /// Two of two digits, a pinch, are enough where they have touched for 250 ms: about the line
-  /// through both the hand is then held as the demonstrator's is.
+  /// Two of two digits, a pinch, are enough where they have touched for 250 ms, or in the first
+  /// frame: about the line through both the hand is then held as the demonstrator's is.
   bool isDue(double time_s, int touches, int digits);
 
   /// No good pose was found: it is due again 0.1 s later. False where as many have touched for
@@ -36,6 +36,7 @@ class LiveBeginning {
   double grew_s_ = 0.0;
   int touches_ = 0;
   bool is_due_ = false;
+  bool is_pinch_due_ = false;
   double not_before_s_ = 0.0;
 };
 

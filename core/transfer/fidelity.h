@@ -40,10 +40,9 @@ struct NetKnot {
 /// zero. Units: metres. Cost: O(knots).
 Fidelity fidelityOf(const std::vector<std::vector<NetKnot>>& rows);
 
-/// What to say of a patch whose shape did not come through: "is distorted on the hand: lengths
-/// by 35 %, angles by 55 deg, area x 0.38 (...)". Empty below 15 % and 15 degrees in the mean:
-/// on intact scans patches lie below 5 % and 5 degrees, on ones with holes under the contact
-/// above.
+/// What to say of a patch whose shape did not come through: "lengths 35 %, angles 55 deg, area
+/// x 0.38". Empty below 15 % and 15 degrees in the mean: on intact scans patches lie below 5 %
+/// and 5 degrees, on ones with holes under the contact above.
 std::string distortionOf(const Fidelity& fidelity);
 
 }  // namespace handgraft::transfer

@@ -154,8 +154,7 @@ std::vector<std::string> sizeNotes(const std::vector<session::SessionPatch>& pat
   if (roots_O.diagonal().norm() < 2.0 * hand) return {};
   return {
       fmt::format("the contacts lie {:.2f} m apart and the hand is {:.2f} m across: is the "
-                  "object in metres "
-                  "(--units mm, cm)?",
+                  "object in metres (--units mm, cm)?",
                   roots_O.diagonal().norm(), hand)};
 }
 

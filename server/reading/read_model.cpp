@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
-#include "core/contact/reproject.h"
 #include "core/contact/threshold.h"
 #include "core/geometry/main_extent.h"
 #include "core/hand/mirror.h"
@@ -172,8 +171,6 @@ ReadContacts readMap(const ReadRequest& request,
   std::vector<std::string> notes;
   contact::ContactMap map =
       io::onFaces(scaledMap(io::readContactMap(path, source), request, notes), *how.object);
-  if (auto note = contact::noteOnOtherShape(map.mesh_O, how.object->mesh))
-    notes.push_back(std::move(*note));
   ReadContacts read;
   read.set = io::contactsFromMap(map, *how.object, options);
   read.set.name = request.name;

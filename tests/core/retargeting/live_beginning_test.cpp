@@ -75,36 +75,25 @@ TEST(LiveBeginning, APinchWaitsAQuarterOfASecond) {
   // What opens and closes has not touched for long.
   EXPECT_FALSE(dueIn(framesOf(2.0,
                               [](double t) {
-                                return std::fmod(t, 0.3) < 0.2 ? 2 : 1;
+                                return std::fmod(t, 0.3) < 0.1 ? 1 : 2;
                               }),
                      2));
 }
 
-TEST(LiveBeginning, APinchIsPutOffAsWell) {
-  LiveBeginning beginning;
-  std::vector<double> times;
-  for (int k = 0; k <= 300; ++k) {
-    if (!beginning.isDue(0.01 * k, 2, 2)) continue;
-    times.push_back(0.01 * k);
-    if (!beginning.putOff(0.01 * k)) break;
-  }
-  ASSERT_GT(times.size(), 2u);
-  EXPECT_NEAR(times[1], times[0] + 0.1, 0.0101);
-  EXPECT_NEAR(times.back(), 1.0, 0.11);
-}
-
-// Every tenth of a second, for a second.
+// Every tenth of a second, for a second; a pinch as well.
 TEST(LiveBeginning, IsPutOffWhereNoGoodPoseIsFound) {
-  LiveBeginning beginning;
-  std::vector<double> times;
-  for (int k = 0; k <= 300; ++k) {
-    if (!beginning.isDue(0.01 * k, 4, 2)) continue;
-    times.push_back(0.01 * k);
-    if (!beginning.putOff(0.01 * k)) break;
+  for (const int touches : {4, 2}) {
+    LiveBeginning beginning;
+    std::vector<double> times;
+    for (int k = 0; k <= 300; ++k) {
+      if (!beginning.isDue(0.01 * k, touches, 2)) continue;
+      times.push_back(0.01 * k);
+      if (!beginning.putOff(0.01 * k)) break;
+    }
+    ASSERT_EQ(times.size(), 11u);
+    EXPECT_NEAR(times[1], 0.1, 0.0101);
+    EXPECT_NEAR(times.back(), 1.0, 0.11);
   }
-  ASSERT_EQ(times.size(), 11u);
-  EXPECT_NEAR(times[1], 0.1, 0.0101);
-  EXPECT_NEAR(times.back(), 1.0, 0.11);
 }
 
 TEST(LiveBeginning, IsNotDueWithLessThanThree) {
@@ -125,6 +114,8 @@ TEST(LiveBeginning, IsNotDueWithLessThanThree) {
 
 TEST(LiveBeginning, TheFirstFrameTellsOfNothingThatComes) {
   EXPECT_EQ(dueIn({{7.0, 3}}), 7.0);
+  EXPECT_EQ(dueIn({{7.0, 2}}, 2), 7.0) << "a pinch";
+  EXPECT_FALSE(dueIn({{7.0, 2}}, 1)) << "of one finger";
   EXPECT_EQ(dueIn({{7.0, 0}, {7.5, 3}}), 7.5) << "behind a pause";
   EXPECT_EQ(dueIn({{7.0, 0}, {0.0, 3}}), 0.0) << "time has begun anew";
 }
