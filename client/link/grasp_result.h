@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "idl/models.h"
 #include "idl/service.h"
@@ -13,6 +14,7 @@ namespace handgraft::client {
 struct GraspResult {
   v1::SessionState session;
   v1::HandDescription hand;
+  std::vector<std::string> object_notes;  ///< what reading its file had to say
   v1::TransferReply transfer;
   v1::PoseSolution solution;
   std::optional<v1::Weights> weights;  ///< that it was solved with; empty: not known

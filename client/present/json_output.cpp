@@ -83,6 +83,7 @@ Json grasp(const GraspResult& result) {
   }
   document["notes"] = result.transfer.notes();
   document["hand_notes"] = result.hand.notes();
+  document["object_notes"] = result.object_notes;
   document["transfer_ms"] = result.transfer.transfer_ms();
   document["total_ms"] = result.total_ms;
   return document;

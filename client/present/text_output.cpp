@@ -415,6 +415,7 @@ std::string grasp(const GraspResult& result) {
   out += verdicts(solution, result.hand);
   out += losses(result.transfer.patches(), result.kept ? solution.session_id() : 0);
   out += notes(result.hand.notes());
+  out += notes(result.object_notes);
   out += notes(furtherNotes(result.transfer));
   out += notes(mirrorHints(result));
 

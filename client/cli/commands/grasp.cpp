@@ -124,6 +124,8 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
     result.weights = settings.weights();
   result.hand =
       server.describe(v1::MODEL_HAND, request.hand(), !options.png.empty()).get().hand();
+  result.object_notes =
+      server.describe(v1::MODEL_OBJECT, request.object(), false).get().object().notes();
   // Whose contacts they are matters where it may be the other hand's.
   if (text::isLessThanHalfReached(result.solution)) {
     result.touched = server.describe(v1::MODEL_CONTACTS, request.contacts(), false)

@@ -25,6 +25,7 @@ namespace handgraft::client {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -154,6 +155,7 @@ class ScriptedServer {
     } else if (request.model().kind() == v1::MODEL_OBJECT) {
       v1::ObjectDescription object;
       object.mesh_O() = triangle();
+      object.notes().emplace_back("turned all faces");
       description.object(object);
     } else {
       description.contacts(v1::ContactsDescription());
@@ -259,11 +261,12 @@ TEST_F(CommandsTest, GraspClosesItsSession) {
   options.hand = "claw";
   options.object = "plate";
   options.contacts = "plate_2";
-  EXPECT_THAT(grasp(options), HasSubstr("claw grasps plate by plate_2"));
-  EXPECT_THAT(
-      server.operations(),
-      ElementsAre(v1::OP_OPEN_SESSION, v1::OP_TRANSFER, v1::OP_OPTIMIZE, v1::OP_TRANSFER,
-                  v1::OP_SESSION_SETTINGS, v1::OP_DESCRIBE_MODEL, v1::OP_CLOSE_SESSION));
+  EXPECT_THAT(grasp(options), AllOf(HasSubstr("claw grasps plate by plate_2"),
+                                    HasSubstr("note: turned all faces\n")));
+  EXPECT_THAT(server.operations(),
+              ElementsAre(v1::OP_OPEN_SESSION, v1::OP_TRANSFER, v1::OP_OPTIMIZE,
+                          v1::OP_TRANSFER, v1::OP_SESSION_SETTINGS, v1::OP_DESCRIBE_MODEL,
+                          v1::OP_DESCRIBE_MODEL, v1::OP_CLOSE_SESSION));
 }
 
 TEST_F(CommandsTest, GraspLeavesASessionThatIsKept) {
