@@ -39,13 +39,18 @@ struct CandidatePose {
   int start = 0;
 };
 
-/// Of those that stand close together the best alone goes on: they end in the same place.
-void leaveOutAlike(const hand::HandModel& model, std::vector<CandidatePose>& candidates) {
+/// Of those that stand close together the best alone goes on, wherever their forearms are: they
+/// end in the same place.
+void leaveOutAlike(const hand::HandModel& model,
+                   const MomentTree& tree,
+                   std::vector<CandidatePose>& candidates) {
   std::vector<CandidatePose> kept;
   for (CandidatePose& candidate : candidates) {
     const bool is_known =
         std::any_of(kept.begin(), kept.end(), [&](const CandidatePose& other) {
-          return liesClose(model, candidate.result.pose, other.result.pose);
+          const hand::HandPose& a = candidate.result.pose;
+          const hand::HandPose& b = other.result.pose;
+          return liesClose(model, a, b) || liesCloseBehindTheWrist(tree, a, b);
         });
     if (!is_known) kept.push_back(std::move(candidate));
   }
@@ -249,7 +254,7 @@ class WayOut {
       judgeAnew(candidate);
     // Which poses are worth the effort shows when they are looked at so closely.
     std::stable_sort(candidates.begin(), candidates.end(), isBetter);
-    leaveOutAlike(*problem_.model, candidates);
+    leaveOutAlike(*problem_.model, *prepared_.tree, candidates);
     for (std::size_t i = stage.searches; i < candidates.size(); ++i)
       report.evaluations += candidates[i].result.evaluations;
     candidates.resize(std::min(candidates.size(), stage.searches));

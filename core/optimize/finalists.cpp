@@ -9,6 +9,29 @@
 
 namespace handgraft::optimize {
 
+namespace {
+
+// So far apart two poses lie close.
+constexpr double kAngle = 0.2;    // rad
+constexpr double kLength = 0.02;  // m
+
+/// The last body that carries all with point pairs.
+int carrierOf(const MomentTree& tree) {
+  if (tree.moments.empty()) return 0;
+  const auto parent_of = [&tree](int body) {
+    return tree.joints[static_cast<std::size_t>(body - 1)].parent_body;
+  };
+  int carrier = tree.moments.front().body;
+  for (const BodyMoments& moments : tree.moments) {
+    // Parents have lower numbers.
+    for (int body = moments.body; body != carrier;)
+      (body > carrier ? body : carrier) = parent_of(std::max(body, carrier));
+  }
+  return carrier;
+}
+
+}  // namespace
+
 std::vector<int> Finalists::choose(const std::vector<LocalResult>& results,
                                    int explored,
                                    int most) {
@@ -76,8 +99,6 @@ bool Finalists::agree(const std::vector<LocalResult>& results) const {
 }
 
 bool liesClose(const hand::HandModel& model, const hand::HandPose& a, const hand::HandPose& b) {
-  constexpr double kAngle = 0.2;    // rad
-  constexpr double kLength = 0.02;  // m
   if ((a.X_WH.translation() - b.X_WH.translation()).norm() > kLength) return false;
   for (int j = 0; j < model.dofCount(); ++j) {
     const bool slides = model.dofJoint(j).type == hand::JointType::kPrismatic;
@@ -85,6 +106,31 @@ bool liesClose(const hand::HandModel& model, const hand::HandPose& a, const hand
   }
   const Eigen::Matrix3d turn = a.X_WH.linear().transpose() * b.X_WH.linear();
   return vectorFromRotation(turn).norm() <= kAngle;
+}
+
+bool liesCloseBehindTheWrist(const MomentTree& tree,
+                             const hand::HandPose& a,
+                             const hand::HandPose& b) {
+  const int carrier = carrierOf(tree);
+  std::vector<BodyPlace> at_a(static_cast<std::size_t>(tree.bodyCount()));
+  std::vector<BodyPlace> at_b(at_a.size());
+  placeBodies(tree, a.X_WH.linear(), a.q, at_a);
+  placeBodies(tree, b.X_WH.linear(), b.q, at_b);
+  const BodyPlace& in_a = at_a[static_cast<std::size_t>(carrier)];
+  const BodyPlace& in_b = at_b[static_cast<std::size_t>(carrier)];
+  const Eigen::Vector3d way = b.X_WH.translation() - a.X_WH.translation();
+  if ((way + in_b.p_HB_W - in_a.p_HB_W).norm() > kLength) return false;
+  if (vectorFromRotation(in_a.R_WB.transpose() * in_b.R_WB).norm() > kAngle) return false;
+  std::vector<char> is_behind(at_a.size(), 0);
+  is_behind[static_cast<std::size_t>(carrier)] = 1;
+  for (std::size_t j = 0; j < tree.joints.size(); ++j) {
+    const TreeJoint& joint = tree.joints[j];
+    if (is_behind[static_cast<std::size_t>(joint.parent_body)] == 0) continue;
+    is_behind[j + 1] = 1;
+    const bool slides = joint.type == hand::JointType::kPrismatic;
+    if (std::abs(a.q[joint.dof] - b.q[joint.dof]) > (slides ? kLength : kAngle)) return false;
+  }
+  return true;
 }
 
 }  // namespace handgraft::optimize

@@ -4,6 +4,7 @@
 
 #include "core/hand/hand_model.h"
 #include "core/optimize/local_search.h"
+#include "core/optimize/moment_tree.h"
 
 namespace handgraft::optimize {
 
@@ -44,5 +45,11 @@ class Finalists {
 
 /// Within 2 cm and 0.2 rad of the root and 0.2 rad (2 cm where it slides) of every joint.
 bool liesClose(const hand::HandModel& model, const hand::HandPose& a, const hand::HandPose& b);
+
+/// The same of the body that carries all that touches, for the root, and of the joints behind
+/// it: a forearm may stand anywhere before its wrist.
+bool liesCloseBehindTheWrist(const MomentTree& tree,
+                             const hand::HandPose& a,
+                             const hand::HandPose& b);
 
 }  // namespace handgraft::optimize

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "core/hand/anatomy.h"
+#include "core/hand/finger_coordinates.h"
 #include "core/hand/hand_location.h"
 #include "core/hand/kinematics.h"
 #include "core/hand/posture.h"
@@ -33,7 +33,7 @@ constexpr double kRelaxing = 0.01;
 constexpr double kUsualMisfit = 0.17;  // rad: a human hand of other proportions
 constexpr double kMostSure = 64.0;
 
-constexpr int kPostureStarts = 8;
+constexpr int kPostureStarts = 3;  // as good as eight
 constexpr int kPostureEvaluations = 100;
 
 /// Two directions that are to be one.
@@ -75,7 +75,7 @@ Posture postureFor(const hand::Hand& hand, const contact::ContactSet& contacts) 
   hand::LinkPoses X_SL;
   forwardKinematics(*hand.model, Pose::Identity(), q_straight, X_SL);
   std::map<std::string, hand::TurnedPart> parts;
-  for (hand::TurnedPart& part : turnedParts(anatomyOf(*hand.model, X_SL, hand.sites)))
+  for (hand::TurnedPart& part : turnedParts(hand::coordinatesOf(hand)->anatomy()))
     parts[part.name] = std::move(part);
   // Directions alone: the root's place plays no part.
   optimize::PoseProblem problem = optimize::makeProblem(hand.model);

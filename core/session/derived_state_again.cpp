@@ -32,12 +32,12 @@ Eigen::Vector3d centreOf(const std::vector<optimize::PointPair>& pairs) {
   return centre_W;
 }
 
-/// A joint that moves nothing that touches may stand so far from rest: beyond, something has
-/// caught it.
+/// A joint that moves nothing that touches may stand so far from where nothing holds it:
+/// beyond, something has caught it.
 constexpr double kCaught = 0.5;  // rad or m
 
-/// Whether a joint that moves no patch stands far from where it rests.
-bool isCaught(const PoseProblem& posed, const Eigen::VectorXd& rest, const Eigen::VectorXd& q) {
+/// Whether a joint that moves no patch stands far from `free`.
+bool isCaught(const PoseProblem& posed, const Eigen::VectorXd& free, const Eigen::VectorXd& q) {
   const auto& nodes = posed.model->nodes();
   std::vector<char> moves_patch(static_cast<std::size_t>(posed.model->dofCount()), 0);
   for (const optimize::PointPair& pair : posed.pairs) {
@@ -49,13 +49,13 @@ bool isCaught(const PoseProblem& posed, const Eigen::VectorXd& rest, const Eigen
   }
   for (Eigen::Index dof = 0; dof < q.size(); ++dof)
     if (moves_patch[static_cast<std::size_t>(dof)] == 0 &&
-        std::abs(q[dof] - rest[dof]) > kCaught)
+        std::abs(q[dof] - free[dof]) > kCaught)
       return true;
   return false;
 }
 
-Eigen::VectorXd restWithin(const PoseProblem& posed) {
-  return posed.model->restPose().cwiseMax(posed.lower).cwiseMin(posed.upper);
+Eigen::VectorXd withinLimits(const PoseProblem& posed, const Eigen::VectorXd& q) {
+  return q.cwiseMax(posed.lower).cwiseMin(posed.upper);
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ void DerivedState::approachAnew(const hand::HandPose& first,
   const std::vector<SessionPatch> patches = patches_;
   const hand::HandPose from = report.pose;
   const PoseProblem posed = problem(solving);
-  const Eigen::VectorXd open = restWithin(posed);
+  const Eigen::VectorXd open = withinLimits(posed, posed.model->restPose());
   const Eigen::Vector3d away_W = (from.X_WH.translation() - centreOf(posed.pairs)).normalized();
   std::vector<hand::HandPose> beginnings{first};
   for (const double back_m : kBacks) {
@@ -103,8 +103,11 @@ void DerivedState::beginOpen(SolveReport& report,
   whole.starts = 1;
   Worth worth = worthOf(report, solving);
   const PoseProblem posed = problem(solving);
-  const Eigen::VectorXd rest = restWithin(posed);
-  if (worth.first == 0 && !isCaught(posed, rest, report.pose.q)) return;
+  const Eigen::VectorXd rest = withinLimits(posed, posed.model->restPose());
+  // A pose that is known is the prior, too, and the same joints may be caught there.
+  const Eigen::VectorXd free =
+      holdsPosture(solving) ? withinLimits(posed, posed.prior.q) : rest;
+  if (worth.first == 0 && !isCaught(posed, free, report.pose.q)) return;
   Search best(*this);
   start_ = {report.pose.X_WH, rest};
   SolveReport other = optimize::solve(problem(solving), whole, progress);

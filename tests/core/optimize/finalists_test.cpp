@@ -82,5 +82,52 @@ TEST_F(FinalistsTest, JointsAndTurnsTellPlacesApart) {
   EXPECT_FALSE(liesClose(*model, pose, other));
 }
 
+// Only the tip of `b` touches, so that the palm hangs behind `b1` as a forearm behind its
+// wrist.
+TEST_F(FinalistsTest, BeforeTheWristNothingTellsPlacesApart) {
+  PoseProblem problem = makeProblem(model);
+  PointPair pair;
+  pair.link = model->linkIndex("b_tip");
+  problem.pairs.push_back(pair);
+  pair.link = model->linkIndex("b_slider");
+  problem.pairs.push_back(pair);
+  const MomentTree tree = makeMomentTree(problem);
+  const hand::HandPose pose = at(0.0, 1.0).pose;
+
+  const Eigen::Vector3d p_HB(-0.03, 0.0, 0.05);  // where b1 turns the finger about z
+  hand::HandPose other = pose;
+  other.q[model->dofIndex("b1")] += 0.5;
+  EXPECT_FALSE(liesCloseBehindTheWrist(tree, pose, other)) << "the wrist alone turns it";
+  other.X_WH = Eigen::Translation3d(p_HB) * Eigen::AngleAxisd(-0.5, Eigen::Vector3d::UnitZ()) *
+               Eigen::Translation3d(-p_HB);
+  EXPECT_FALSE(liesClose(*model, pose, other));
+  EXPECT_TRUE(liesCloseBehindTheWrist(tree, pose, other));
+
+  hand::HandPose farther = other;
+  farther.X_WH.translation().z() += 0.019;
+  EXPECT_TRUE(liesCloseBehindTheWrist(tree, pose, farther));
+  farther.X_WH.translation().z() += 0.002;
+  EXPECT_FALSE(liesCloseBehindTheWrist(tree, pose, farther));
+  other.q[model->dofIndex("b3")] += 0.3;
+  EXPECT_FALSE(liesCloseBehindTheWrist(tree, pose, other)) << "a joint behind it";
+}
+
+TEST_F(FinalistsTest, OfAHandWhosePalmTouchesAllJointsCount) {
+  PoseProblem problem = makeProblem(model);
+  PointPair pair;
+  for (const char* link : {"b_tip", "a_tip"}) {
+    pair.link = model->linkIndex(link);
+    problem.pairs.push_back(pair);
+  }
+  const MomentTree tree = makeMomentTree(problem);
+  const hand::HandPose pose = at(0.0, 1.0).pose;
+  EXPECT_TRUE(liesCloseBehindTheWrist(tree, pose, pose));
+  for (const char* joint : {"a1", "b1", "b3"}) {
+    hand::HandPose other = pose;
+    other.q[model->dofIndex(joint)] += 0.3;
+    EXPECT_FALSE(liesCloseBehindTheWrist(tree, pose, other)) << joint;
+  }
+}
+
 }  // namespace
 }  // namespace handgraft::optimize
