@@ -255,13 +255,6 @@ std::vector<std::size_t> WayTrials::likely(const std::vector<Document>& laid,
   return likely;
 }
 
-std::ptrdiff_t WayTrials::missedByShortSearch(const Document& laid, const Progress& progress) {
-  std::vector<Way> ways = waysOf({&laid, 1});
-  judgeShortly(ways, progress);
-  const auto& [lacking, dropped, objective] = ways.front().tried->lack;
-  return lacking - dropped;
-}
-
 std::ptrdiff_t WayTrials::missedBySearch(const Document& laid, const Progress& progress) {
   std::vector<Way> ways = waysOf({&laid, 1});
   judgeInFull(ways, false, progress);

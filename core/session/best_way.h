@@ -51,10 +51,7 @@ class WayTrials {
                                   std::size_t most,
                                   const Progress& progress);
 
-  /// Patches that are laid and that a short search misses.
-  std::ptrdiff_t missedByShortSearch(const Document& laid, const Progress& progress);
-
-  /// The same of a full search.
+  /// Patches that are laid and that a full search misses.
   std::ptrdiff_t missedBySearch(const Document& laid, const Progress& progress);
 
   /// What a full search of that very document came to; null if there was none, and for motions.

@@ -137,6 +137,10 @@ void DerivedState::follow(const Document& document, const Progress& progress) {
 void DerivedState::expect(std::shared_ptr<const Solution> solution) {
   expected_ = std::move(solution);
   expected_for_ = foundBy(document_);
+  if (expected_ == nullptr) return;
+  HANDGRAFT_REQUIRE(expected_->patches.size() == patches_.size());
+  for (std::size_t i = 0; i < patches_.size(); ++i)
+    if (!patches_[i].up_to_date) patches_[i].stages = expected_->patches[i].stages;
 }
 
 void DerivedState::followPatch(std::size_t index,

@@ -97,7 +97,8 @@ class DerivedState {
   void follow(const Document& document, const Progress& progress);
 
   /// What `solve` of the document that is followed comes to by the solution's settings, found
-  /// elsewhere: it is given, not searched for, until another document is followed.
+  /// elsewhere: it is given, not searched for, until another document is followed. Charts that
+  /// it was laid with are shared.
   void expect(std::shared_ptr<const Solution> solution);
 
   /// Takes patches that were laid for the document that is followed.

@@ -105,7 +105,7 @@ void leaveOutWhatKeepsOthersOff(const std::vector<char>& may_go,
   HANDGRAFT_REQUIRE(may_go.size() == document.patches.size());
   const auto misses = [&] {
     return laidIn(document) > kFewestBesidePalm &&
-           trials.missedByShortSearch(document, progress) > 0;
+           trials.missedBySearch(document, progress) > 0;
   };
   if (!misses()) return;
   // Fingers first: the palm's goes before any of theirs.

@@ -53,7 +53,8 @@ struct RetargetedGrasp {
   std::vector<RetargetedPatch> patches;
   int asked = 0;  ///< patches that were not dropped
   Retargeted ours;
-  double ms_transfer = 0.0;
+  double ms_transfer = 0.0;   ///< to open the session, which tries ways, and to lay the patches
+  double ms_pose = 0.0;       ///< the same and the session's solve
   double told_depth_m = 0.0;  ///< the product's own figures
   double told_self_m = 0.0;
   int joints_at_limits = 0;

@@ -78,7 +78,8 @@ std::string mainTable(const std::vector<HandSummary>& hands) {
       "| hand | joints | grasps | patches reached | all of them | mean mm | normals deg | gap "
       "mm "
       "| deepest mm: median, worst, past 2 mm | as told: median, worst | shared cm3 | self mm: "
-      "median, worst | lay ms: median, p95 | solve ms: median, p95 | both ms: median, p95 | "
+      "median, worst | open ms: median, p95 | solve ms: median, p95 | first pose ms: median, "
+      "p95 | "
       "joints off mm: four "
       "digits, "
       "all |\n"
@@ -164,7 +165,7 @@ HandSummary summarise(const std::string& name,
     }
     summary.dropped += static_cast<int>(grasp->patches.size()) - grasp->asked;
     transfers.push_back(grasp->ms_transfer);
-    poses.push_back(grasp->ms_transfer + grasp->ours.ms);
+    poses.push_back(grasp->ms_pose);
     told.push_back(1e3 * grasp->told_depth_m);
     if (!grasp->joints_mm) continue;
     joints.push_back(*grasp->joints_mm);
