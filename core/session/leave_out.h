@@ -15,9 +15,8 @@ class WayTrials;
 /// their reason and among the notes; a root on the hand brings a patch back.
 ///
 /// `may_go`: a flag a patch; what somebody laid himself stays. Nothing of motions.
-/// Deterministic. Errors: Cancelled on wish. Cost: a solve, which
-/// need not be made again; where it misses two and more a short search of each patch, and four
-/// solves a round.
+/// Deterministic. Errors: Cancelled on wish. Cost: a solve, which need not be made again; where
+/// it misses two and more a short search of each patch, and four solves a round.
 void leaveOutWhatKeepsOthersOff(const std::vector<char>& may_go,
                                 WayTrials& trials,
                                 Document& document,
