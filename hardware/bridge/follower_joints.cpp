@@ -25,7 +25,7 @@ void appendLed(const std::vector<LedJoint>& led,
                std::vector<double>& joint_rad) {
   if (joint_rad.size() != told_count) return;
   for (const LedJoint& joint : led)
-    joint_rad.push_back(joint.ratio * joint_rad[joint.leader] + joint.offset_rad);
+    joint_rad.push_back(joint.ratio * joint_rad[joint.leader] + joint.offset);
 }
 
 }  // namespace handgraft::bridge

@@ -12,7 +12,7 @@ struct LedJoint {
   std::string name;
   std::size_t leader = 0;  ///< of the names that are told
   double ratio = 1.0;
-  double offset_rad = 0.0;
+  double offset = 0.0;  ///< rad, or m if it slides
 };
 
 /// The joints that follow others by the config and are not among `told`, though their leaders

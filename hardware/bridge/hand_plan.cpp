@@ -12,6 +12,9 @@ namespace {
 
 constexpr std::size_t kMostJoints = 512;  // the bound of every joint sequence in the contract
 constexpr double kFarthest = 1000;        // rad: of a joint without limits
+// What motors that are not there draw a joint by, where it slides.
+constexpr double kPinion = 0.01;  // m/rad
+constexpr double kSame = 1e-3;    // rad: files round
 
 safety::JointLimits limitsOf(const v1::JointInfo& joint, const MotionBounds& bounds) {
   if (!(joint.lower() <= joint.upper()) || joint.lower() == HUGE_VAL ||
@@ -32,7 +35,10 @@ safety::JointLimits limitsOf(const v1::JointInfo& joint, const MotionBounds& bou
   if (modelled > 0) limits.velocity = std::min(limits.velocity, modelled);
   limits.acceleration = slides ? bounds.prismatic_acceleration : bounds.revolute_acceleration;
   limits.jerk = slides ? bounds.prismatic_jerk : bounds.revolute_jerk;
-  if (slides) limits.margin /= 10;  // 0.01 mm
+  if (!slides) return limits;
+  limits.slides = true;
+  limits.travel = kPinion;
+  limits.margin *= kPinion;
   return limits;
 }
 
@@ -62,8 +68,10 @@ tendon::MimicJoint leadOf(const v1::MimicInfo& mimic,
 /// model knows of none.
 std::string differenceOf(const tendon::MimicJoint& follower,
                          const v1::HandDescription& description,
-                         const std::vector<std::string>& names) {
-  constexpr double kSame = 1e-3;  // files round
+                         const safety::GovernorOptions& governor) {
+  const std::vector<std::string>& names = governor.names;
+  const safety::JointLimits& led = governor.limits[follower.joint];
+  const double leaders_travel = governor.limits[follower.leader].travel;
   const auto& mimics = description.mimics();
   const auto found = std::find_if(mimics.begin(), mimics.end(), [&](const v1::MimicInfo& m) {
     return m.joint() == names[follower.joint];
@@ -71,15 +79,17 @@ std::string differenceOf(const tendon::MimicJoint& follower,
   if (found == mimics.end()) return "";
   std::string leader;
   const tendon::MimicJoint lead = leadOf(*found, description, leader);
-  const bool is_same = leader == names[follower.leader] &&
-                       std::abs(lead.ratio - follower.ratio) <= kSame &&
-                       std::abs(lead.offset - follower.offset) <= kSame;
+  const bool is_same =
+      leader == names[follower.leader] &&
+      std::abs(lead.ratio - follower.ratio) * leaders_travel <= kSame * led.travel &&
+      std::abs(lead.offset - follower.offset) <= kSame * led.travel;
   if (is_same) return "";
   return fmt::format(
-      "joint {} follows {} with ratio {:.4g} and offset {:.4g} rad, in its model {} with ratio "
-      "{:.4g} and offset {:.4g} rad",
+      "joint {} follows {} with ratio {:.4g} and offset {:.4g} {}, in its model {} with ratio "
+      "{:.4g} and offset {:.4g} {}",
       quoted(names[follower.joint]), quoted(names[follower.leader]), follower.ratio,
-      follower.offset, handgraft::quoted(leader), lead.ratio, lead.offset);
+      follower.offset, safety::unitOf(led), handgraft::quoted(leader), lead.ratio, lead.offset,
+      safety::unitOf(led));
 }
 
 }  // namespace
@@ -126,20 +136,19 @@ config::HandConfig simulatedConfig(const HandPlan& plan, double period_s) {
   config.governor.overruns_in_a_row = 1'000'000;
   for (std::size_t i = 0; i < plan.jointCount(); ++i) {
     config::MotorConfig motor;
+    safety::JointLimits& limits = config.governor.limits[i];
     motor.name = plan.names[i];
-    motor.range_rad = {std::max(plan.limits[i].lower, -kFarthest),
-                       std::min(plan.limits[i].upper, kFarthest)};
-    motor.velocity_rad_s = plan.limits[i].velocity;
+    limits.lower = std::max(limits.lower, -kFarthest * limits.travel);
+    limits.upper = std::min(limits.upper, kFarthest * limits.travel);
+    motor.range_rad = {limits.lower / limits.travel, limits.upper / limits.travel};
+    motor.velocity_rad_s = limits.velocity / limits.travel;
     config.motors.push_back(motor);
-    config.governor.limits[i].lower = motor.range_rad.lower;
-    config.governor.limits[i].upper = motor.range_rad.upper;
   }
   return config;
 }
 
 std::string differencesOf(const v1::HandDescription& description,
                           const config::HandConfig& config) {
-  constexpr double kSame = 1e-3;  // rad: files round
   const auto& names = config.governor.names;
   std::string text;
   const auto add = [&text](const std::string& what) {
@@ -153,15 +162,23 @@ std::string differencesOf(const v1::HandDescription& description,
     }
     const auto& limits =
         config.governor.limits[static_cast<std::size_t>(found - names.begin())];
-    if (limits.lower < joint.lower() - kSame || limits.upper > joint.upper() + kSame) {
+    const bool slides = joint.kind() == v1::JOINT_PRISMATIC;
+    if (limits.slides != slides) {
+      add(fmt::format("joint {} {} in the config and {} in its model", quoted(joint.name()),
+                      limits.slides ? "slides" : "turns", slides ? "slides" : "turns"));
+      continue;
+    }
+    const double slack = kSame * limits.travel;
+    if (limits.lower < joint.lower() - slack || limits.upper > joint.upper() + slack) {
       add(fmt::format(
-          "joint {} may go from {:.4g} to {:.4g} rad, its model from {:.4g} to {:.4g}",
-          quoted(joint.name()), limits.lower, limits.upper, joint.lower(), joint.upper()));
+          "joint {} may go from {:.4g} to {:.4g} {}, its model from {:.4g} to {:.4g}",
+          quoted(joint.name()), limits.lower, limits.upper, safety::unitOf(limits),
+          joint.lower(), joint.upper()));
     }
   }
   const auto& followers = config.transmission.followers;
   for (const tendon::MimicJoint& follower : followers) {
-    const std::string difference = differenceOf(follower, description, names);
+    const std::string difference = differenceOf(follower, description, config.governor);
     if (!difference.empty()) add(difference);
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -184,7 +201,8 @@ std::string differencesOf(const v1::HandDescription& description,
 bool movesAlike(const HandPlan& a, const HandPlan& b) {
   const auto same_limits = [](const safety::JointLimits& x, const safety::JointLimits& y) {
     return x.lower == y.lower && x.upper == y.upper && x.velocity == y.velocity &&
-           x.acceleration == y.acceleration && x.jerk == y.jerk && x.margin == y.margin;
+           x.acceleration == y.acceleration && x.jerk == y.jerk && x.margin == y.margin &&
+           x.slides == y.slides && x.travel == y.travel;
   };
   return a.hand == b.hand && a.names == b.names &&
          std::equal(a.limits.begin(), a.limits.end(), b.limits.begin(), b.limits.end(),

@@ -93,8 +93,7 @@ void Motion::offer(const StreamPose& pose) {
 }
 
 void Motion::noteClamping() {
-  const Clamping clamping =
-      clampingOf(config_.governor.names, governor_.asked(), governor_.target());
+  const Clamping clamping = clampingOf(config_.governor, governor_.asked(), governor_.target());
   state_.clamping = clamping.text;
   state_.clamped_rad = clamping.largest_rad;
 }
@@ -148,7 +147,7 @@ double Motion::permittedRate() {
       const double lag =
           std::max(std::abs(governor_.target()[i] - sent[i]),
                    std::abs(state_.command[i] - state_.residual[i] - state_.position[i]));
-      const double budget = config_.governor.near + at_full_speed;
+      const double budget = config_.governor.near * limits.travel + at_full_speed;
       permitted = std::min(permitted, std::clamp(2 * (1 - lag / budget), 0.0, kFastestSamples));
     }
     if (permitted >= rate) continue;
@@ -471,10 +470,12 @@ void Motion::tell(Time now) {
   }
   state_.measured_at = measured_.time;
   std::copy(governor_.target().begin(), governor_.target().end(), state_.target.begin());
-  state_.tracking = 0;
-  for (std::size_t i = 0; state_.is_powered && i < state_.position.size(); ++i) {
-    const double off = std::abs(state_.command[i] - state_.position[i]);
-    state_.tracking = std::max(state_.tracking, off);
+  state_.tracking_rad = state_.residual_rad = 0;
+  for (std::size_t i = 0; i < state_.position.size(); ++i) {
+    const double travel = config_.governor.limits[i].travel;
+    const double off = std::abs(state_.command[i] - state_.position[i]) / travel;
+    if (state_.is_powered) state_.tracking_rad = std::max(state_.tracking_rad, off);
+    state_.residual_rad = std::max(state_.residual_rad, std::abs(state_.residual[i]) / travel);
   }
   tellSamples(now);
   state_.command_age = governor_.commandAge(now);

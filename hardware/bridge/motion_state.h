@@ -72,19 +72,22 @@ struct MotionState {
   FixedText zeros;    ///< why the zeros are not known; empty: they are, or were never found
   FixedText trouble;  ///< why the device is not open, not armed, not homed; empty: nothing
 
-  // === The pose: rad, one per joint; empty vectors never
+  // === The pose: rad, m of joints that slide, one per joint; empty vectors never
   devices::TimePoint measured_at{};
   std::vector<double> position;
-  std::vector<double> velocity;  ///< rad/s; NaN where it is not known
+  std::vector<double> velocity;  ///< a second; NaN where it is not known
   std::vector<double> target;    ///< the newest accepted pose inside the limits
   std::vector<double> command;   ///< sent in this period; the measured pose without power
   std::vector<double> residual;  ///< of it, what the hand cannot follow
-  /// Of joints with a motor of their own: its current times its `torque_Nm_A`; NaN else.
+  /// Of joints with a motor of their own: its current times its `torque_Nm_A`, Nm, or N of
+  /// those that slide; NaN else.
   std::vector<double> effort;
   std::vector<double> motor_current;      ///< A, in the motors' directions; NaN: not told
   std::vector<double> motor_temperature;  ///< degrees Celsius; NaN: not told
   std::vector<double> touch;              ///< N
-  double tracking = 0;                    ///< the largest |command - position| under power
+  /// The largest |command - position| under power, and the largest residual; of joints that
+  /// slide, at the motor.
+  double tracking_rad = 0, residual_rad = 0;
   std::optional<devices::Duration> command_age;  ///< of the newest accepted pose
   std::optional<devices::Duration> stream_age;   ///< since the stream was known to live
 
@@ -95,7 +98,7 @@ struct MotionState {
   FixedText last_refusal;
   v1::BridgeRefusal refusal = v1::REFUSAL_NONE;
   FixedText clamping;      ///< of the newest pose: which joints, asked and given; empty: none
-  double clamped_rad = 0;  ///< by how much at most
+  double clamped_rad = 0;  ///< by how much at most; at the motor, of joints that slide
   std::uint64_t clamped = 0;  ///< periods in which the target lay outside the limits
   std::uint64_t limited = 0;  ///< periods in which velocity or acceleration were cut
 

@@ -45,14 +45,14 @@ v1::BridgeRefusal codeOf(safety::Refusal refusal) {
   return v1::REFUSAL_NONE;
 }
 
-Clamping clampingOf(const std::vector<std::string>& names,
+Clamping clampingOf(const safety::GovernorOptions& options,
                     std::span<const double> asked,
                     std::span<const double> given) {
   Clamping told;
   std::size_t count = 0;
   std::size_t worst = 0;
   for (std::size_t i = 0; i < given.size(); ++i) {
-    const double off = std::abs(asked[i] - given[i]);
+    const double off = std::abs(asked[i] - given[i]) / options.limits[i].travel;
     if (off <= kClamped) continue;
     ++count;
     if (off <= told.largest_rad) continue;
@@ -61,9 +61,10 @@ Clamping clampingOf(const std::vector<std::string>& names,
   }
   if (count == 0) return told;
   std::array<char, 200> text{};
-  auto end = fmt::format_to_n(
-      text.data(), text.size(), "'{}' asked for {:.4g} rad, given {:.4g}",
-      std::string_view(names[worst]).substr(0, 60), asked[worst], given[worst]);
+  auto end =
+      fmt::format_to_n(text.data(), text.size(), "'{}' asked for {:.4g} {}, given {:.4g}",
+                       std::string_view(options.names[worst]).substr(0, 60), asked[worst],
+                       safety::unitOf(options.limits[worst]), given[worst]);
   std::size_t size = std::min(end.size, text.size());
   if (count > 1) {
     end = fmt::format_to_n(text.data() + size, text.size() - size, "; {} more joints less",
@@ -89,20 +90,20 @@ std::string lostText(safety::FaultCause cause, const config::DeviceConfig& devic
 }
 
 FixedText outsideText(const safety::GovernorOptions& options,
-                      std::span<const double> measured_rad) {
+                      std::span<const double> measured) {
   FixedText told;
   double worst = options.outside;
   std::array<char, 200> text{};
-  for (std::size_t i = 0; i < measured_rad.size(); ++i) {
+  for (std::size_t i = 0; i < measured.size(); ++i) {
     const safety::JointLimits& limits = options.limits[i];
     const double beyond =
-        std::max(limits.lower - measured_rad[i], measured_rad[i] - limits.upper);
+        std::max(limits.lower - measured[i], measured[i] - limits.upper) / limits.travel;
     if (!(beyond > worst)) continue;
     worst = beyond;
     const auto end = fmt::format_to_n(
-        text.data(), text.size(), "joint '{}' is at {:.4g} rad, its limits {:.4g} to {:.4g}",
-        std::string_view(options.names[i]).substr(0, 60), measured_rad[i], limits.lower,
-        limits.upper);
+        text.data(), text.size(), "joint '{}' is at {:.4g} {}, its limits {:.4g} to {:.4g}",
+        std::string_view(options.names[i]).substr(0, 60), measured[i], safety::unitOf(limits),
+        limits.lower, limits.upper);
     told.set({text.data(), std::min(end.size, text.size())});
   }
   return told;

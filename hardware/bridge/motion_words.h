@@ -12,14 +12,14 @@ namespace handgraft::bridge {
 
 v1::BridgeRefusal codeOf(safety::Refusal refusal);
 
-/// What the limits took of a pose: how much at most, and the first joint by name.
+/// What the limits took of a pose: how much at most, and which joint by name.
 struct Clamping {
-  double largest_rad = 0;
-  FixedText text;  ///< empty: nothing
+  double largest_rad = 0;  ///< at the motor, of a joint that slides
+  FixedText text;          ///< empty: nothing
 };
 
 /// Allocates nothing.
-Clamping clampingOf(const std::vector<std::string>& names,
+Clamping clampingOf(const safety::GovernorOptions& options,
                     std::span<const double> asked,
                     std::span<const double> given);
 
@@ -29,8 +29,7 @@ std::string lostText(safety::FaultCause cause, const config::DeviceConfig& devic
 
 /// Which joint is measured farthest beyond its limits, if any is by more than `outside`; else
 /// empty. Allocates nothing.
-FixedText outsideText(const safety::GovernorOptions& options,
-                      std::span<const double> measured_rad);
+FixedText outsideText(const safety::GovernorOptions& options, std::span<const double> measured);
 
 /// A device's fault with its motor, id and joint, and what the device says in words; of a
 /// motor that does not answer, that nobody knows whether it is off.

@@ -87,8 +87,10 @@ void noteMotors(const config::HandConfig& config,
     if (std::isfinite(told)) state.temperature_c = std::max(state.temperature_c, told);
     state.motor_current[i] = measured.current[i];
     state.motor_temperature[i] = told;
-    if (i < joint_of_motor.size())
-      state.effort[joint_of_motor[i]] = config.motors[i].torque_Nm_A * measured.current[i];
+    if (i >= joint_of_motor.size()) continue;
+    const std::size_t joint = joint_of_motor[i];
+    state.effort[joint] = config.motors[i].torque_Nm_A * measured.current[i] /
+                          config.governor.limits[joint].travel;
   }
 }
 

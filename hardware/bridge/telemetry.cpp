@@ -181,11 +181,8 @@ v1::BridgeStatus bridgeStatus(const BridgeIdentity& identity,
   message.limited(state.limited);
   message.answers_lost(state.counters.missed + state.counters.damaged);
   message.bytes_discarded(state.counters.garbage_bytes);
-  message.tracking_rad(state.tracking);
-  double residual = 0;
-  for (const double left : state.residual)
-    residual = std::max(residual, std::abs(left));
-  message.residual_rad(residual);
+  message.tracking_rad(state.tracking_rad);
+  message.residual_rad(state.residual_rad);
   message.temperature_c(state.temperature_c);
   message.stamp_ns(system_ns.count());
   return message;

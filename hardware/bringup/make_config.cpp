@@ -21,12 +21,13 @@ using config::DeviceKind;
 struct Joint {
   std::string name;
   double lower = -3.14159, upper = 3.14159;
-  double velocity = 0;
+  bool slides = false;
   std::string leader;  // of a mimic joint
   double ratio = 1, offset = 0;
 };
 
 constexpr double kVelocity = 1.0;     // rad/s: slow enough to watch
+constexpr double kTravel = 0.01;      // m/rad: a small pinion; only the hand itself knows
 constexpr int kUsualRate = 50;        // Hz
 constexpr int kLeastRate = 10;        // Hz; of any loop
 constexpr int kTorqueRate = 333;      // Hz; of a position loop that is ours
@@ -39,20 +40,14 @@ std::string attribute(const tinyxml2::XMLElement& element, const char* name) {
 
 std::optional<Joint> jointOf(const tinyxml2::XMLElement& element) {
   const std::string type = attribute(element, "type");
-  if (type != "revolute" && type != "continuous") {
-    if (type == "prismatic")
-      rejectInput("joint {} slides: motors of a config turn",
-                  handgraft::quoted(attribute(element, "name")));
-    return std::nullopt;
-  }
   Joint joint;
   joint.name = attribute(element, "name");
-  if (const auto* limit = element.FirstChildElement("limit")) {
-    if (type == "revolute") {
-      joint.lower = limit->DoubleAttribute("lower", 0);
-      joint.upper = limit->DoubleAttribute("upper", 0);
-    }
-    joint.velocity = limit->DoubleAttribute("velocity", 0);
+  joint.slides = type == "prismatic";
+  if (type != "revolute" && type != "continuous" && !joint.slides) return std::nullopt;
+  const auto* limit = element.FirstChildElement("limit");
+  if (joint.slides || (limit != nullptr && type == "revolute")) {
+    joint.lower = limit == nullptr ? 0.0 : limit->DoubleAttribute("lower", 0);
+    joint.upper = limit == nullptr ? 0.0 : limit->DoubleAttribute("upper", 0);
   }
   if (!(joint.lower < joint.upper))
     rejectInput("joint {}: its limits [{}, {}] leave no room", handgraft::quoted(joint.name),
@@ -168,7 +163,7 @@ std::vector<int> idsOf(const ConfigPlan& plan,
                        std::size_t motor_count) {
   std::vector<int> ids = plan.ids;
   if (ids.size() > motor_count)
-    rejectInput("--ids: {} of them, for {} joints that turn by themselves", ids.size(),
+    rejectInput("--ids: {} of them, for {} joints that move by themselves", ids.size(),
                 motor_count);
   while (ids.size() < motor_count)
     ids.push_back(ids.empty() ? 0 : ids.back() + 1);
@@ -239,6 +234,37 @@ int longestGapMs(int rate) {
   return rate < kUsualRate ? 350 : 150;
 }
 
+const char* unitOf(const Joint& joint) {
+  return joint.slides ? "m" : "rad";
+}
+
+/// How fast joints of either kind may move, as far as there are any, up to the head of the
+/// list.
+std::string motionText(const std::vector<Joint>& joints) {
+  std::string keys, note;
+  const auto add = [&](bool slides) {
+    const auto is_such = [slides](const Joint& joint) {
+      return joint.slides == slides;
+    };
+    if (std::none_of(joints.begin(), joints.end(), is_such)) return;
+    const double velocity = slides ? kTravel * kVelocity : kVelocity;
+    const char* unit = slides ? "m" : "rad";
+    keys += fmt::format("{}velocity_{}_s: {}, acceleration_{}_s2: {}, jerk_{}_s3: {}",
+                        keys.empty() ? "" : ", ", unit, velocity, unit, 10 * velocity, unit,
+                        200 * velocity);
+    if (slides) {
+      note =
+          "# FILL IN travel_m_rad: by so many metres a joint moves for a radian of its motor, "
+          "a\n"
+          "# pinion's radius or a screw's lead / 6.283; the motor's angles are its metres / "
+          "travel_m_rad.\n";
+    }
+  };
+  add(false);
+  add(true);
+  return fmt::format("motion: {{{}}}  # slow, to begin with\n\n{}joints:\n", keys, note);
+}
+
 /// What the config says of a motor beyond its joint's limits.
 std::string motorText(const config::DeviceTraits& traits, const Joint& joint, int id) {
   if (traits.wire == config::DeviceWire::kNone) return "";
@@ -265,7 +291,7 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
        element = element->NextSiblingElement("joint")) {
     if (const std::optional<Joint> joint = jointOf(*element)) joints.push_back(*joint);
   }
-  if (joints.empty()) rejectInput("{}: no joint of it turns", handgraft::quoted(urdf.string()));
+  if (joints.empty()) rejectInput("{}: no joint of it moves", handgraft::quoted(urdf.string()));
   followTheFirst(joints);
   narrowToFollowers(joints);
 
@@ -276,8 +302,16 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
   const config::DeviceTraits& traits = traitsNamed(plan.kind);
   const auto own = static_cast<std::size_t>(traits.own_motors);
   if (own > 0 && motor_count != own) {
-    rejectInput("{}: {} of its joints turn by themselves; a hand of kind {} has {} motors",
+    rejectInput("{}: {} of its joints move by themselves; a hand of kind {} has {} motors",
                 handgraft::quoted(urdf.string()), motor_count, plan.kind, own);
+  }
+  const auto sliding = std::find_if(joints.begin(), joints.end(), [](const Joint& joint) {
+    return joint.slides;
+  });
+  const bool any_slides = sliding != joints.end();
+  if (own > 0 && any_slides) {
+    rejectInput("joint {} slides; those of a hand of kind {} turn",
+                handgraft::quoted(sliding->name), plan.kind);
   }
   const int rate = rateOf(plan, motor_count);
   const std::vector<int> ids = idsOf(plan, traits, motor_count);
@@ -303,26 +337,28 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
   if (rate < kUsualRate) text += "watch: {silent_ms: 400}\n";
   text +=
       "stream: {stale_ms: 500, hold_ms: 1000}\nemergency_stop: {mode: brake, brake_ms: 500}\n";
-  text += fmt::format(
-      "motion: {{velocity_rad_s: {}, acceleration_rad_s2: {}, jerk_rad_s3: {}}}  # slow, to "
-      "begin with\n\njoints:\n",
-      kVelocity, 10 * kVelocity, 200 * kVelocity);
+  text += motionText(joints);
   std::string followers, motors;
   std::size_t count = 0;
   for (const Joint& joint : joints) {
     const std::string name = inQuotes(joint.name);
-    text += fmt::format("  - {{name: {}, lower_rad: {}, upper_rad: {}}}\n", name, joint.lower,
-                        joint.upper);
+    const bool is_drawn = joint.slides && joint.leader.empty();
+    const double travel = is_drawn ? kTravel : 1.0;
+    text += fmt::format("  - {{name: {}, lower_{}: {}, upper_{}: {}{}}}\n", name, unitOf(joint),
+                        joint.lower, unitOf(joint), joint.upper,
+                        is_drawn ? fmt::format(", travel_m_rad: {}", travel) : "");
     if (!joint.leader.empty()) {
-      followers += fmt::format("    - {{joint: {}, leader: {}, ratio: {}, offset_rad: {}}}\n",
-                               name, inQuotes(joint.leader), joint.ratio, joint.offset);
+      followers +=
+          fmt::format("    - {{joint: {}, leader: {}, ratio: {}, offset_{}: {}}}\n", name,
+                      inQuotes(joint.leader), joint.ratio, unitOf(joint), joint.offset);
       continue;
     }
     // A follower may ask for more of its leader than the leader's own limits.
     const double speed = 3 * kVelocity;
     motors += fmt::format(
         "  - {{name: {}, joint: {}, lower_rad: {}, upper_rad: {}, velocity_rad_s: {}{}}}\n",
-        name, name, joint.lower, joint.upper, speed, motorText(traits, joint, ids[count]));
+        name, name, joint.lower / travel, joint.upper / travel, speed,
+        motorText(traits, joint, ids[count]));
     ++count;
   }
   if (!followers.empty()) text += "\ntransmission:\n  kind: direct\n  followers:\n" + followers;

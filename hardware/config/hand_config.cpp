@@ -29,6 +29,13 @@ std::vector<tendon::Range> jointRanges(const HandConfig& config) {
   return ranges;
 }
 
+std::vector<double> travelsOf(const HandConfig& config) {
+  std::vector<double> travels;
+  for (const safety::JointLimits& limits : config.governor.limits)
+    travels.push_back(limits.travel);
+  return travels;
+}
+
 /// What `make` throws as InvalidInput, under `key`.
 template <class Make>
 void collect(const char* key, Problems& problems, Make&& make) {
@@ -235,7 +242,7 @@ std::unique_ptr<tendon::MotorMap> makeMotorMap(const HandConfig& config) {
       return std::make_unique<tendon::TendonMap>(transmission.tendons);
     case TransmissionKind::kDirect:
       return std::unique_ptr<tendon::MotorMap>(new tendon::SynergyMap(
-          tendon::mimicMap(jointRanges(config), transmission.followers)));
+          tendon::mimicMap(jointRanges(config), transmission.followers, travelsOf(config))));
     case TransmissionKind::kSynergies:
       break;
   }
@@ -262,6 +269,7 @@ std::unique_ptr<tendon::MotorMap> makeMotorMap(const HandConfig& config) {
 
 std::vector<std::string> remarksOn(const HandConfig& config) {
   constexpr double kTurn = 2.0 * std::numbers::pi;  // rad
+  constexpr double kWide = 0.5;                     // m: no hand opens farther
   // A drum that winds a tendon in goes round several times; what is geared to a joint does not.
   const double most_of_motor =
       config.transmission.kind == TransmissionKind::kDirect ? kTurn : 10.0 * kTurn;
@@ -276,8 +284,22 @@ std::vector<std::string> remarksOn(const HandConfig& config) {
   };
   for (std::size_t i = 0; i < config.jointCount(); ++i) {
     const safety::JointLimits& limits = config.governor.limits[i];
-    note("joint", config.governor.names[i], limits.lower, limits.upper, kTurn);
+    if (!limits.slides) {
+      note("joint", config.governor.names[i], limits.lower, limits.upper, kTurn);
+    } else if (std::max(std::abs(limits.lower), std::abs(limits.upper)) > kWide) {
+      remarks.push_back(fmt::format(
+          "joint {}: {:.4g} to {:.4g} m are more than {} m; lengths are metres, not "
+          "millimetres",
+          quoted(config.governor.names[i]), limits.lower, limits.upper, kWide));
+    }
   }
+  const bool any_slides =
+      std::any_of(config.governor.limits.begin(), config.governor.limits.end(),
+                  [](const safety::JointLimits& limits) {
+                    return limits.slides;
+                  });
+  // Nor does one that draws a rack, or turns a screw.
+  if (any_slides) return remarks;
   for (const MotorConfig& motor : config.motors)
     note("motor", motor.name, motor.range_rad.lower, motor.range_rad.upper, most_of_motor);
   return remarks;

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "hardware/config/calibration_file.h"
 #include "hardware/config/device_section.h"
+#include "hardware/config/joint_section.h"
 #include "hardware/config/text_file.h"
 #include "hardware/config/transmission_section.h"
 #include "hardware/config/yaml_section.h"
@@ -16,8 +17,6 @@ namespace handgraft::config {
 
 namespace {
 
-constexpr double kTurns = 1000;  // rad: more than a hundred turns of a drum
-constexpr std::size_t kMostJoints = 512;
 constexpr std::size_t kMostProblems = 20;
 
 void readLoop(Section section, HandConfig& config) {
@@ -69,44 +68,6 @@ void readWatching(Section section, HandConfig& config) {
   section.finish();
 }
 
-/// Keys of `section` over `standard`; everything is required without one.
-safety::JointLimits motionOf(Section& section,
-                             const std::optional<safety::JointLimits>& standard) {
-  const auto given = [&](double safety::JointLimits::*field) -> std::optional<double> {
-    if (!standard) return std::nullopt;
-    return (*standard).*field;
-  };
-  safety::JointLimits limits;
-  limits.velocity =
-      section.number("velocity_rad_s", 1e-3, 100, given(&safety::JointLimits::velocity));
-  limits.acceleration = section.number("acceleration_rad_s2", 1e-2, 10'000,
-                                       given(&safety::JointLimits::acceleration));
-  limits.jerk = section.number("jerk_rad_s3", 0.1, 1e7, given(&safety::JointLimits::jerk));
-  limits.margin = section.number("margin_rad", 0, 1, standard ? standard->margin : 1e-4);
-  return limits;
-}
-
-void readJoints(Section& file, HandConfig& config) {
-  std::optional<safety::JointLimits> standard;
-  if (file.has("motion")) {
-    Section motion = file.section("motion", true);
-    standard = motionOf(motion, std::nullopt);
-    motion.finish();
-  }
-  for (Section& joint : file.list("joints", 1, kMostJoints)) {
-    config.governor.names.push_back(joint.text("name"));
-    const double lower = joint.number("lower_rad", -kTurns, kTurns);
-    const double upper = joint.number("upper_rad", -kTurns, kTurns);
-    safety::JointLimits limits = motionOf(joint, standard);
-    limits.lower = lower;
-    limits.upper = upper;
-    if (!(lower < upper))
-      joint.object("upper_rad", fmt::format("{} is not above lower_rad {}", upper, lower));
-    joint.finish();
-    config.governor.limits.push_back(limits);
-  }
-}
-
 /// Of a device whose kind is not known, only what every motor has is read.
 void readMotors(Section& file, HandConfig& config, bool is_known_kind) {
   const bool has_ids =
@@ -118,8 +79,8 @@ void readMotors(Section& file, HandConfig& config, bool is_known_kind) {
     motor.name = section.text("name");
     if (section.has("joint")) motor.joint = section.text("joint");
     motor.id = static_cast<int>(config.motors.size());
-    motor.range_rad.lower = section.number("lower_rad", -kTurns, kTurns);
-    motor.range_rad.upper = section.number("upper_rad", -kTurns, kTurns);
+    motor.range_rad.lower = section.number("lower_rad", -kFarthestTurn, kFarthestTurn);
+    motor.range_rad.upper = section.number("upper_rad", -kFarthestTurn, kFarthestTurn);
     if (!(motor.range_rad.lower < motor.range_rad.upper)) {
       section.object("upper_rad", fmt::format("{} is not above lower_rad {}",
                                               motor.range_rad.upper, motor.range_rad.lower));
@@ -140,7 +101,7 @@ void readMotors(Section& file, HandConfig& config, bool is_known_kind) {
     if (!is_ability_hand) {
       motor.torque_Nm_A = section.number("torque_Nm_A", 1e-4, 100, 1);
       motor.gear = section.number("gear", 1e-3, 1000, 1);
-      motor.zero_rad = section.number("zero_rad", -kTurns, kTurns, 0);
+      motor.zero_rad = section.number("zero_rad", -kFarthestTurn, kFarthestTurn, 0);
       motor.direction = section.choice<int>("direction", {{"1", 1}, {"-1", -1}}, 1);
     }
     if (config.device.kind == DeviceKind::kDynamixel && section.has("gains")) {
@@ -210,9 +171,9 @@ void readHoming(Section& file, HandConfig& config) {
     step.speed_rad_s = section.number("speed_rad_s", 1e-3, 100);
     step.current_A = section.number("current_A", 1e-3, 100);
     step.hold = section.duration("hold_ms", 10, 10'000, step.hold);
-    step.travel_rad = section.number("travel_rad", 1e-3, kTurns);
-    step.stop_rad = section.number("stop_rad", -kTurns, kTurns);
-    step.back_off_rad = section.number("back_off_rad", 0, kTurns, 0);
+    step.travel_rad = section.number("travel_rad", 1e-3, kFarthestTurn);
+    step.stop_rad = section.number("stop_rad", -kFarthestTurn, kFarthestTurn);
+    step.back_off_rad = section.number("back_off_rad", 0, kFarthestTurn, 0);
     section.finish();
     if (found == config.motors.end()) continue;
     step.motor = static_cast<std::size_t>(found - config.motors.begin());
@@ -266,6 +227,7 @@ HandConfig parseHandConfig(const std::string& text) {
     readJoints(file, config);
     readMotors(file, config, !device.isWrong("kind"));
     config.transmission = readTransmission(file.section("transmission", false), config);
+    takeTravels(file, config);
     orderByJoint(file, config);
     readHoming(file, config);
     config.calibration = file.text("calibration", "");

@@ -26,7 +26,9 @@ tendon::MimicJoint followerOf(Section& section, const HandConfig& config) {
   follower.joint = jointNamed(section, "joint", config);
   follower.leader = jointNamed(section, "leader", config);
   follower.ratio = section.number("ratio", -100, 100);
-  follower.offset = section.number("offset_rad", -100, 100, 0);
+  const bool slides =
+      !config.governor.limits.empty() && config.governor.limits[follower.joint].slides;
+  follower.offset = section.number(slides ? "offset_m" : "offset_rad", -100, 100, 0);
   section.finish();
   return follower;
 }

@@ -38,6 +38,11 @@ GovernorOptions validated(GovernorOptions options) {
     rejectInput("ramp share {} is not in (0, 1]", options.ramp_share);
   if (!(options.step > 0)) rejectInput("step {} is not positive", options.step);
   if (!(options.outside > 0)) rejectInput("outside {} is not positive", options.outside);
+  for (std::size_t i = 0; i < options.names.size(); ++i) {
+    const double travel = options.limits[i].travel;
+    if (!(travel > 0) || !std::isfinite(travel))
+      rejectInput("joint {}: travel {} is not in (0, inf)", quoted(options.names[i]), travel);
+  }
   if (options.overruns_in_a_row == 0) rejectInput("overruns in a row must be at least 1");
   return options;
 }
@@ -312,9 +317,8 @@ void Governor::watchMotors(const DeviceReport& device, Time now) {
 bool Governor::isFarOutside() const {
   for (std::size_t i = 0; i < measured_.size(); ++i) {
     const JointLimits& limits = options_.limits[i];
-    if (measured_[i] < limits.lower - options_.outside ||
-        measured_[i] > limits.upper + options_.outside)
-      return true;
+    const double slack = options_.outside * limits.travel;
+    if (measured_[i] < limits.lower - slack || measured_[i] > limits.upper + slack) return true;
   }
   return false;
 }
@@ -383,8 +387,9 @@ void Governor::follow() {
 bool Governor::isFarStep() const {
   const bool rests = limiter_.atRest();
   for (std::size_t i = 0; i < target_.size(); ++i) {
-    const bool jumps = std::abs(target_[i] - limiter_.targets()[i]) > options_.step;
-    const bool is_far = std::abs(target_[i] - limiter_.positions()[i]) > options_.step;
+    const double step = options_.step * options_.limits[i].travel;
+    const bool jumps = std::abs(target_[i] - limiter_.targets()[i]) > step;
+    const bool is_far = std::abs(target_[i] - limiter_.positions()[i]) > step;
     if (is_far && (rests || jumps)) return true;
   }
   return false;
@@ -392,7 +397,8 @@ bool Governor::isFarStep() const {
 
 bool Governor::isNearTarget(std::span<const double> positions) const {
   for (std::size_t i = 0; i < target_.size(); ++i) {
-    if (std::abs(positions[i] - target_[i]) > options_.near) return false;
+    const double near = options_.near * options_.limits[i].travel;
+    if (std::abs(positions[i] - target_[i]) > near) return false;
   }
   return true;
 }

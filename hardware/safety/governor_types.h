@@ -86,6 +86,7 @@ enum class StopMode {
   kCut,    ///< the device's own stop frame is the next on the wire
 };
 
+/// Of joints that slide, radians are their motors' (JointLimits::travel).
 struct GovernorOptions {
   std::vector<std::string> names;   ///< of the joints, unique
   std::vector<JointLimits> limits;  ///< one per joint
@@ -116,7 +117,7 @@ struct TargetSample {
   std::uint64_t sequence = 0;  ///< grows within a stream
   std::int64_t source_ns = 0;  ///< the sender's clock; 0: not told
   std::span<const std::string> names;
-  std::span<const double> joint_rad;
+  std::span<const double> joint_rad;  ///< m of a joint that slides, as everywhere
 };
 
 /// What the device says of itself, once a period.

@@ -7,7 +7,7 @@
 
 namespace handgraft::safety {
 
-/// What one joint may do. Units: rad and seconds; metres stand for radians if it is prismatic.
+/// What one joint may do. Units: rad and seconds; metres stand for radians if it slides.
 struct JointLimits {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
@@ -15,7 +15,16 @@ struct JointLimits {
   double acceleration = 20.0;
   double jerk = 400.0;
   double margin = 1e-4;  ///< targets stay this far inside `lower` and `upper`
+  bool slides = false;
+  /// What it moves by for each radian of its motor: 1 if it turns, m if it slides. What is
+  /// told in radians for all joints is meant at the motor of one that slides.
+  double travel = 1.0;
 };
+
+/// The unit of its positions.
+inline const char* unitOf(const JointLimits& joint) {
+  return joint.slides ? "m" : "rad";
+}
 
 /// What held joints back in one period; all counts of joints.
 struct LimiterActivity {

@@ -100,7 +100,13 @@ std::vector<double> SynergyMap::motorSpeeds(std::span<const Range> joints,
 }
 
 SynergyMap mimicMap(const std::vector<Range>& joints,
-                    const std::vector<MimicJoint>& followers) {
+                    const std::vector<MimicJoint>& followers,
+                    const std::vector<double>& travel) {
+  if (!travel.empty() && travel.size() != joints.size())
+    rejectInput("{} travels for {} joints", travel.size(), joints.size());
+  const auto travel_of = [&travel](std::size_t j) {
+    return travel.empty() ? 1.0 : travel[j];
+  };
   std::vector<std::optional<MimicJoint>> follows(joints.size());
   for (const MimicJoint& follower : followers) {
     if (follower.joint >= joints.size() || follower.leader >= joints.size() ||
@@ -112,8 +118,10 @@ SynergyMap mimicMap(const std::vector<Range>& joints,
   std::vector<Range> motors;
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (follows[j]) continue;
+    if (!(travel_of(j) > 0))
+      rejectInput("joint {}: travel {} is not positive", j, travel_of(j));
     column[j] = static_cast<Eigen::Index>(motors.size());
-    motors.push_back(joints[j]);
+    motors.push_back({joints[j].lower / travel_of(j), joints[j].upper / travel_of(j)});
   }
   const auto n = static_cast<Eigen::Index>(joints.size());
   Eigen::MatrixXd S = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(motors.size()));
@@ -121,12 +129,13 @@ SynergyMap mimicMap(const std::vector<Range>& joints,
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const auto row = static_cast<Eigen::Index>(j);
     if (!follows[j]) {
-      S(row, column[j]) = weights[row] = 1;
+      S(row, column[j]) = travel_of(j);
+      weights[row] = 1;
       continue;
     }
     if (column[follows[j]->leader] < 0)
       rejectInput("joint {} follows joint {}, which follows another", j, follows[j]->leader);
-    S(row, column[follows[j]->leader]) = follows[j]->ratio;
+    S(row, column[follows[j]->leader]) = follows[j]->ratio * travel_of(follows[j]->leader);
     offset[row] = follows[j]->offset;
   }
   return {std::move(S), std::move(offset), weights, std::move(motors)};

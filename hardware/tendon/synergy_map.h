@@ -58,7 +58,11 @@ struct MimicJoint {
 };
 
 /// Motors for the joints that follow nobody, in their order; the leader alone decides.
-/// Errors: InvalidInput for a joint that follows twice, itself, a follower, or nobody.
-SynergyMap mimicMap(const std::vector<Range>& joints, const std::vector<MimicJoint>& followers);
+/// `travel`: what each joint moves by for a radian of its motor; empty: 1.
+/// Errors: InvalidInput for a joint that follows twice, itself, a follower, or nobody, and for
+/// a travel that is not positive.
+SynergyMap mimicMap(const std::vector<Range>& joints,
+                    const std::vector<MimicJoint>& followers,
+                    const std::vector<double>& travel = {});
 
 }  // namespace handgraft::tendon

@@ -45,6 +45,22 @@ TEST(HandPlan, BoundsPrismaticJointsInMetres) {
   EXPECT_EQ(plan.limits[0].jerk, bounds.prismatic_jerk);
 }
 
+TEST(HandPlan, AMotorThatIsNotThereDrawsAJointThatSlides) {
+  v1::JointInfo slide = joint("slide", 0, 0.05);
+  slide.kind(v1::JOINT_PRISMATIC);
+  const config::HandConfig config =
+      simulatedConfig(planHand(handOf("gripper", {joint("turn", 0, 1), slide}), {}), 0.01);
+  const std::unique_ptr<tendon::MotorMap> map = config::makeMotorMap(config);
+  std::vector<double> motors(2), residual(2), measured(2);
+  const std::vector<double> pose{0.5, 0.03};
+  map->command(pose, motors, residual);
+  EXPECT_NEAR(motors[1], 3.0, 1e-12) << "a pinion of a centimetre";
+  map->measure(motors, measured);
+  EXPECT_NEAR(measured[1], 0.03, 1e-15);
+  EXPECT_EQ(config.motors[1].range_rad.upper, 5.0);
+  EXPECT_NEAR(config.motors[1].velocity_rad_s, 100 * config.governor.limits[1].velocity, 1e-12);
+}
+
 TEST(HandPlan, RestsInsideTheLimits) {
   v1::HandDescription hand =
       handOf("h", {joint("told", 0, 1), joint("wild", 0.2, 1), joint("untold", 0.3, 1)});
@@ -84,6 +100,23 @@ TEST(HandPlan, DifferencesOfConfigAndModelAreTold) {
               HasSubstr("the model's joint 'a' is not in the config"));
   EXPECT_THAT(differencesOf(model, config),
               HasSubstr("the config's joint 'c' is not in the model"));
+}
+
+TEST(HandPlan, AJointThatSlidesInTheModelAndTurnsInTheConfigIsTold) {
+  v1::JointInfo slide = joint("jaw", 0, 0.04);
+  slide.kind(v1::JOINT_PRISMATIC);
+  const v1::HandDescription model = handOf("gripper", {slide});
+  config::HandConfig config;
+  config.governor.names = {"jaw"};
+  config.governor.limits = {{.lower = 0, .upper = 0.04}};
+  EXPECT_EQ(differencesOf(model, config),
+            "config and model differ: joint 'jaw' turns in the config and slides in its model");
+  config.governor.limits[0].slides = true;
+  config.governor.limits[0].travel = 0.012;
+  EXPECT_EQ(differencesOf(model, config), "");
+  config.governor.limits[0].upper = 0.0405;
+  EXPECT_THAT(differencesOf(model, config),
+              HasSubstr("joint 'jaw' may go from 0 to 0.0405 m, its model from 0 to 0.04"));
 }
 
 TEST(HandPlan, AFollowerThatFollowsOtherwiseThanInTheModelIsTold) {

@@ -24,6 +24,7 @@
 #include "hardware/config/calibration_file.h"
 
 #include "tests/hardware/bridge/hand_in_motion.h"
+#include "tests/hardware/config/config_texts.h"
 
 namespace handgraft::bridge {
 namespace {
@@ -394,13 +395,12 @@ TEST_P(RandomLives, MoveNothingUnaskedNothingBeyondItsRangeAndNothingTooFast) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Protocols,
-    RandomLives,
-    ::testing::Values("leap", "ability_hand", "printed_tendon_hand", "inspire_rh56", "allegro"),
-    [](const auto& told) {
-      return told.param;
-    });
+INSTANTIATE_TEST_SUITE_P(Protocols,
+                         RandomLives,
+                         ::testing::ValuesIn(config::texts::example_configs),
+                         [](const auto& told) {
+                           return told.param;
+                         });
 
 }  // namespace
 }  // namespace handgraft::bridge

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/hardware/bridge/hand_in_motion.h"
+#include "tests/hardware/config/config_texts.h"
 #include "tests/hardware/safety/ledger.h"
 
 namespace handgraft::bridge {
@@ -223,13 +224,12 @@ TEST_P(EveryHandInAStorm, KeepsEveryLimitAndTheDeviceDecodesIt) {
   RecordProperty("worst_units", fmt::format("{:.4g}", wire.worst_units));
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Examples,
-    EveryHandInAStorm,
-    ::testing::Values("leap", "ability_hand", "printed_tendon_hand", "inspire_rh56", "allegro"),
-    [](const auto& told) {
-      return told.param;
-    });
+INSTANTIATE_TEST_SUITE_P(Examples,
+                         EveryHandInAStorm,
+                         ::testing::ValuesIn(config::texts::example_configs),
+                         [](const auto& told) {
+                           return told.param;
+                         });
 
 }  // namespace
 }  // namespace handgraft::bridge

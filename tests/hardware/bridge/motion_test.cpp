@@ -10,6 +10,7 @@
 #include "hardware/bridge/motion_words.h"
 
 #include "tests/hardware/bridge/every_hand_in_motion.h"
+#include "tests/hardware/config/config_texts.h"
 
 namespace handgraft::bridge {
 namespace {
@@ -110,6 +111,32 @@ TEST(Motion, OutOfSeveralJointsTheOneFarthestOutsideIsNamed) {
             "joint 'b' is at 71.6 rad, its limits 0 to 1.5");
 }
 
+TEST(Motion, WhatIsSaidOfAJointThatSlidesIsInMetres) {
+  safety::GovernorOptions options;
+  options.names = {"turn", "jaw"};
+  options.limits = {{.lower = 0, .upper = 1.5},
+                    {.lower = 0, .upper = 0.04, .slides = true, .travel = 0.012}};
+  options.outside = 0.2;
+  EXPECT_EQ(outsideText(options, std::vector{0.5, 0.042}).view(), "")
+      << "0.17 rad of its motor";
+  EXPECT_EQ(outsideText(options, std::vector{1.75, 0.046}).view(),
+            "joint 'jaw' is at 0.046 m, its limits 0 to 0.04");
+  const Clamping told = clampingOf(options, std::vector{1.6, 0.052}, std::vector{1.5, 0.04});
+  EXPECT_EQ(told.text.view(), "'jaw' asked for 0.052 m, given 0.04; 1 more joints less");
+  EXPECT_NEAR(told.largest_rad, 1.0, 1e-12) << "of its motor";
+}
+
+TEST(Motion, AJawsForceIsItsMotorsTorqueOverItsTravel) {
+  config::HandConfig config = exampleConfig("printed_gripper");
+  config.motors[0].torque_Nm_A = 0.36;
+  devices::DeviceState measured(1);
+  measured.current[0] = 0.1;
+  MotionState state(2, 1, 0);
+  noteMotors(config, measured, {0}, state);
+  EXPECT_NEAR(state.effort[0], 3.0, 1e-12) << "N";
+  EXPECT_TRUE(std::isnan(state.effort[1])) << "it has no motor of its own";
+}
+
 TEST(Motion, WithoutHomingZerosAreFoundByTheWalkAlone) {
   config::HandConfig config = exampleReady("leap");
   config.calibration = "not_there.yaml";
@@ -206,13 +233,12 @@ TEST_P(EveryHandInMotion, EndsWithItsMotorsOff) {
   EXPECT_FALSE(one->rig().isPowered());
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Examples,
-    EveryHandInMotion,
-    ::testing::Values("leap", "ability_hand", "printed_tendon_hand", "inspire_rh56", "allegro"),
-    [](const auto& told) {
-      return told.param;
-    });
+INSTANTIATE_TEST_SUITE_P(Examples,
+                         EveryHandInMotion,
+                         ::testing::ValuesIn(config::texts::example_configs),
+                         [](const auto& told) {
+                           return told.param;
+                         });
 
 }  // namespace
 }  // namespace handgraft::bridge

@@ -100,7 +100,7 @@ TEST(Telemetry, NoFaultOfTheGovernorIsToldAsNone) {
 
 TEST(Telemetry, StatusTellsAgesTheLargestResidualAndLatenesses) {
   MotionState state = measured();
-  state.residual = {0.1, -0.4};
+  state.residual_rad = 0.4;
   state.worst_lateness = std::chrono::microseconds(1500);
   BridgeIdentity identity;
   identity.bridge_id = 3;

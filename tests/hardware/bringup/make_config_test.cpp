@@ -88,7 +88,7 @@ TEST(MakeConfig, OfAWholeHandHasAllOfItsMotorsAndNoOthers) {
       made(5, plan);
       ADD_FAILURE() << kind;
     } catch (const InvalidInput& error) {
-      EXPECT_NE(std::string(error.what()).find("5 of its joints turn by themselves"),
+      EXPECT_NE(std::string(error.what()).find("5 of its joints move by themselves"),
                 std::string::npos)
           << error.what();
     }
@@ -227,6 +227,32 @@ TEST(MakeConfig, RunsAsFastAsItsWirePermitsAndNoFaster) {
       }
     }
   }
+}
+
+TEST(MakeConfig, OfAGripperGivesMetresToJawsThatSlide) {
+  const auto path = test::scratchDirectory() / "gripper.urdf";
+  const auto jaw = [](const char* name, const char* more) {
+    return fmt::format(
+        "<link name=\"l_{0}\"/><joint name=\"{0}\" type=\"prismatic\"><parent link=\"palm\"/>"
+        "<child link=\"l_{0}\"/><limit lower=\"0\" upper=\"0.04\" effort=\"9\" "
+        "velocity=\"0.1\"/>{1}</joint>",
+        name, more);
+  };
+  std::ofstream(path) << "<robot name=\"gripper\"><link name=\"palm\"/>" << jaw("left", "")
+                      << jaw("right", "<mimic joint=\"left\" multiplier=\"1\"/>")
+                      << "</robot>\n";
+  const std::string text = makeConfig(path, {});
+  EXPECT_NE(text.find("FILL IN travel_m_rad"), std::string::npos) << text;
+  const config::HandConfig config = config::parseHandConfig(text);
+  ASSERT_EQ(config.jointCount(), 2u);
+  for (const safety::JointLimits& limits : config.governor.limits) {
+    EXPECT_TRUE(limits.slides);
+    EXPECT_EQ(limits.upper, 0.04);
+    EXPECT_EQ(limits.travel, 0.01);
+  }
+  ASSERT_EQ(config.motors.size(), 1u) << "one draws both";
+  EXPECT_EQ(config.motors[0].range_rad.upper, 4.0);
+  EXPECT_THROW(makeConfig(path, ofKind("inspire")), InvalidInput);
 }
 
 TEST(MakeConfig, SaysWhatIsNoModelOfAHand) {

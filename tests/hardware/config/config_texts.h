@@ -16,7 +16,8 @@
 namespace handgraft::config::texts {
 
 inline const std::vector<std::string> example_configs{
-    "leap", "ability_hand", "printed_tendon_hand", "inspire_rh56", "allegro"};
+    "leap",         "ability_hand", "printed_tendon_hand",
+    "inspire_rh56", "allegro",      "printed_gripper"};
 
 inline std::filesystem::path examplePath(const std::string& name) {
   return test::sourceDirectory() / "hardware" / "config" / "examples" / (name + ".yaml");

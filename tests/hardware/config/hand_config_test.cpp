@@ -229,6 +229,66 @@ TEST(HandConfig, ReadsFollowers) {
   EXPECT_NEAR(residual[1], -0.4, 1e-15);
 }
 
+TEST(HandConfig, ReadsJointsThatSlide) {
+  const HandConfig config = readHandConfig(examplePath("printed_gripper"));
+  ASSERT_EQ(config.jointCount(), 2u);
+  for (const safety::JointLimits& limits : config.governor.limits) {
+    EXPECT_TRUE(limits.slides);
+    EXPECT_EQ(limits.upper, 0.036);
+    EXPECT_EQ(limits.velocity, 0.04);
+    EXPECT_DOUBLE_EQ(limits.margin, 1e-6);
+    EXPECT_EQ(limits.travel, 0.012) << "of the follower, by the motor of its leader";
+  }
+  const std::unique_ptr<tendon::MotorMap> map = makeMotorMap(config);
+  std::vector<double> motors(1), residual(2);
+  map->command(std::vector{0.018, 0.018}, motors, residual);
+  EXPECT_NEAR(motors[0], 1.5, 1e-12);
+  EXPECT_NEAR(residual[1], 0.0, 1e-12);
+}
+
+TEST(HandConfig, TellsWhatIsWrongWithJointsThatSlide) {
+  const std::string gripper = exampleText("printed_gripper");
+  const auto objection = [&gripper](const std::string& old_text, const std::string& new_text) {
+    std::string text = gripper;
+    text.replace(text.find(old_text), old_text.size(), new_text);
+    return objectionTo(text);
+  };
+  const std::string untold = objection(", travel_m_rad: 0.012", "");
+  EXPECT_TRUE(contains(untold, "joints[0].travel_m_rad: is missing: by so many metres"))
+      << untold;
+  EXPECT_FALSE(contains(untold, ";")) << "nothing that follows from it: " << untold;
+  const std::string of_follower =
+      objection("right_jaw, lower_m: 0, upper_m: 0.036",
+                "right_jaw, lower_m: 0, upper_m: 0.036, travel_m_rad: 0.01");
+  EXPECT_TRUE(contains(of_follower, "joints[1].travel_m_rad: 'right_jaw' follows 'left_jaw'"))
+      << of_follower;
+  const std::string turned = objection("right_jaw, lower_m: 0", "right_jaw, lower_rad: 0");
+  EXPECT_TRUE(contains(turned, "joints[1].lower_m: is missing")) << turned;
+  EXPECT_TRUE(contains(turned, "joints[1].lower_rad")) << turned;
+  const std::string longer = objection("travel_m_rad: 0.012", "travel_m_rad: 0.006");
+  EXPECT_TRUE(contains(longer, "does not hold the [0, 6]")) << longer;
+  const std::string far =
+      objection("lower_m: 0, upper_m: 0.036, travel", "lower_m: 0, upper_m: 36, travel");
+  EXPECT_TRUE(contains(far, "joints[0].upper_m: 36 is not in [-10, 10]")) << far;
+  std::string text = gripper.substr(0, gripper.find("transmission:"));
+  text += "transmission: {kind: synergies, rest_rad: [0, 0], synergies: [{column: [1, 1]}]}\n" +
+          gripper.substr(gripper.find("motors:"));
+  const std::string coupled = objectionTo(text);
+  EXPECT_TRUE(contains(coupled, "transmission.kind: joint 'left_jaw' slides")) << coupled;
+}
+
+TEST(HandConfig, RemarksOnLengthsInMillimetres) {
+  std::string text = exampleText("printed_gripper");
+  const auto replace = [&text](const std::string& old_text, const std::string& new_text) {
+    text.replace(text.find(old_text), old_text.size(), new_text);
+  };
+  replace("upper_m: 0.036", "upper_m: 3.6");
+  replace("upper_rad: 3,", "upper_rad: 300,");
+  const std::vector<std::string> told = remarksOn(parseHandConfig(text));
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_TRUE(contains(told[0], "joint 'left_jaw': 0 to 3.6 m are more than 0.5 m")) << told[0];
+}
+
 TEST(HandConfig, ReadsSynergies) {
   std::string text =
       smallWith("  - {name: n, lower_rad: -0.5, upper_rad: 1, velocity_rad_s: 2}\n", "");

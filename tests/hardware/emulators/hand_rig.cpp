@@ -1,5 +1,6 @@
 #include "tests/hardware/emulators/hand_rig.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -70,13 +71,13 @@ class DynamixelHandRig final : public HandRig {
 
   void breakDown() override {
     const auto lock = wire_->hold();
-    emulator_.motor(idsOf(config_)[1]).is_broken = true;
-    emulator_.fail(idsOf(config_)[1], dxl::kOverload);
+    emulator_.motor(breakable()).is_broken = true;
+    emulator_.fail(breakable(), dxl::kOverload);
   }
 
   void heal() override {
     const auto lock = wire_->hold();
-    emulator_.motor(idsOf(config_)[1]).is_broken = false;
+    emulator_.motor(breakable()).is_broken = false;
   }
 
  protected:
@@ -91,6 +92,12 @@ class DynamixelHandRig final : public HandRig {
     for (const MotorConfig& motor : config.motors)
       ids.push_back(static_cast<std::uint8_t>(motor.id));
     return ids;
+  }
+
+  /// The second one, if there is one.
+  [[nodiscard]] std::uint8_t breakable() const {
+    const std::vector<std::uint8_t> ids = idsOf(config_);
+    return ids[std::min<std::size_t>(1, ids.size() - 1)];
   }
 
   EmulatedServo& servo(std::size_t i) {

@@ -74,6 +74,52 @@ TEST(Governor, ClampsTargetsInsideTheLimitsByTheMarginAndCountsIt) {
   EXPECT_EQ(rig.governor.counters().clamped_samples, 1u);
 }
 
+// What is told in radians for all joints is meant at the motor of one that slides: a tenth of a
+// metre would be the whole way of a jaw.
+TEST(Governor, OfAJointThatSlidesNearAndFarAreItsMotors) {
+  GovernorOptions options = quickOptions();
+  options.limits[0] = {.lower = 0,
+                       .upper = 0.04,
+                       .velocity = 0.02,
+                       .acceleration = 1,
+                       .jerk = 100,
+                       .margin = 1e-6,
+                       .slides = true,
+                       .travel = 0.01};
+  Rig rig(options);
+  rig.position = {0.02, 0.05};
+  rig.pose = {0.0195, 0.05};
+  rig.armUp();
+  ASSERT_EQ(rig.state(), State::kArmed);
+  EXPECT_FALSE(rig.governor.isRamping()) << "half a millimetre is near";
+  rig.offer({0.024, 0.05});
+  rig.tick();
+  EXPECT_FALSE(rig.governor.isRamping()) << "5 mm are a step";
+  rig.follow(60);
+  rig.offer({0.032, 0.05});
+  rig.tick();
+  EXPECT_TRUE(rig.governor.isRamping()) << "8 mm are a long one";
+
+  Rig far(options);
+  far.position = {0.015, 0.05};
+  far.pose = {0.02, 0.05};
+  far.armUp();
+  EXPECT_TRUE(far.governor.isRamping()) << "5 mm from the first pose";
+
+  Rig outside(options);
+  outside.position = {0.0415, 0.05};
+  outside.pose = {0.04, 0.05};
+  outside.tick();
+  outside.offer();
+  EXPECT_EQ(outside.arm(), Refusal::kNone);
+  Rig broken(options);
+  broken.position = {0.0425, 0.05};
+  broken.pose = {0.04, 0.05};
+  broken.tick();
+  broken.offer();
+  EXPECT_EQ(broken.arm(), Refusal::kOutOfRange) << "2.5 mm past its stop";
+}
+
 TEST(Governor, TellsTheAgeOfTheNewestPose) {
   Rig rig;
   EXPECT_FALSE(rig.governor.commandAge(rig.now));

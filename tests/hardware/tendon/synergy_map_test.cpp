@@ -41,6 +41,22 @@ TEST(SynergyMap, AMimicJointFollowsItsLeaderAndTellsWhatItCannot) {
   EXPECT_NEAR(done.residual[0], 0, 1e-15);
 }
 
+TEST(SynergyMap, AMotorDrawsWhatSlidesByItsTravel) {
+  SynergyMap map = mimicMap({{0.0, 0.036}, {-0.02, 0.02}, {0, 1.2}}, {{1, 0, -0.5, 0.01}},
+                            {0.012, 0.006, 1.0});
+  const Followed done = follow(map, {0.024, 0.0, 0.7});
+  ASSERT_EQ(done.motors.size(), 2u);
+  EXPECT_NEAR(done.motors[0], 2.0, 1e-12) << "rad";
+  EXPECT_NEAR(done.motors[1], 0.7, 1e-12);
+  EXPECT_NEAR(done.measured[0], 0.024, 1e-15) << "m";
+  EXPECT_NEAR(done.measured[1], -0.5 * 0.024 + 0.01, 1e-15);
+  const std::vector<Range> joints{{0.0, 0.036}, {-0.02, 0.02}, {0, 1.2}};
+  EXPECT_NEAR(map.motorRanges(joints)[0].upper, 3.0, 1e-12);
+  EXPECT_NEAR(map.motorSpeeds(joints, std::vector{0.048, 0.1, 2.0})[0], 4.0, 1e-12);
+  EXPECT_THROW(mimicMap(joints, {}, {0.012, 0.0, 1.0}), InvalidInput);
+  EXPECT_THROW(mimicMap(joints, {}, {0.012}), InvalidInput);
+}
+
 TEST(SynergyMap, ProjectsByWeightedLeastSquares) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
