@@ -149,7 +149,12 @@ void GivenFiles::put(PageId page, const Chunk& chunk) {
   std::ofstream out(path, std::ios::binary | std::ios::app);
   out.write(chunk.bytes.data(), static_cast<std::streamsize>(chunk.bytes.size()));
   out.close();
-  if (!out) rejectInput("{}: it cannot be kept: no room", quoted(chunk.path));
+  if (!out) {
+    // Of a chunk that comes again nothing may be there.
+    std::error_code ignored;
+    fs::resize_file(path, file.received, ignored);
+    rejectInput("{}: it cannot be kept: no room", quoted(chunk.path));
+  }
   file.received += chunk.bytes.size();
 }
 

@@ -275,13 +275,4 @@ std::string motionText(const Motion& motion, const geometry::TriangleMesh& objec
   return root.dump() + "\n";
 }
 
-std::string motionObjectIn(const std::filesystem::path& path) {
-  try {
-    const json root = json::parse(readFileBytes(path));
-    return root.is_object() ? root.value("object", std::string()) : std::string();
-  } catch (const json::exception& error) {
-    rejectInput("{}: {}", quoted(path.string()), error.what());
-  }
-}
-
 }  // namespace handgraft::io

@@ -25,10 +25,6 @@ manipulation::Motion motionFromText(const std::string& text,
 std::string motionText(const manipulation::Motion& motion,
                        const geometry::TriangleMesh& object_O);
 
-/// The object that a motion file names; empty where it does not say. Errors: InvalidInput
-/// naming the file if it is no JSON.
-std::string motionObjectIn(const std::filesystem::path& path);
-
 inline constexpr double kMotionReach = 0.01;  // m
 
 }  // namespace handgraft::io

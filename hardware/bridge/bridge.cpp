@@ -34,7 +34,6 @@ using safety::HoldCause;
 constexpr std::chrono::milliseconds kServerPatience(1500);  // the absence is said within 2 s
 // rad: a unit of small hands' encoders, 4096 a turn; the end of a range is rounded inwards by
 // one.
-constexpr double kArrived = 2e-3;
 // For the first pose of samples to be taken by the motion thread; refused, it is offered again.
 constexpr std::chrono::milliseconds kBeginPatience(200);
 // What comes and each period's end ring; the rest (patience that ends, a stop) may wait so
@@ -82,6 +81,7 @@ struct Bridge::Impl {
 
   // === The hand
 
+  // `start_rad`: of the motors.
   void beginMotion(const config::HandConfig& config, const std::vector<double>& start_rad) {
     motion.reset();  // brakes, and frees the wire
     const MakeDevice make = [start_rad, this](const config::HandConfig& asked) {
@@ -150,6 +150,11 @@ struct Bridge::Impl {
       const std::string why =
           fmt::format("{} refused: {}", kind == v1::COMMAND_ARM ? "ARM" : "HOME", rival);
       own_refusal.note(v1::REFUSAL_RIVAL, why);
+      return say(why);
+    }
+    if (kind == v1::COMMAND_ARM && !misfit.empty()) {
+      const std::string why = "ARM refused: " + misfit;
+      own_refusal.note(v1::REFUSAL_POSE, why);
       return say(why);
     }
     if (kind == v1::COMMAND_ARM) is_willing = !options.config && options.arms_itself;
@@ -356,16 +361,19 @@ struct Bridge::Impl {
   // === Which hand
 
   void compareWithModel() {
-    const auto differences = choice.compare(identity.session_id, *options.config);
-    if (!differences) return;
-    warnings = *differences;
+    const auto compared = choice.compare(identity.session_id, *options.config);
+    if (!compared) return;
+    warnings = compared->differences;
+    misfit = compared->kinds;
     if (!warnings.empty()) say(warnings);
+    // Armed in the moment before the server's answer came.
+    if (!misfit.empty()) motion->request(Request::kDisarm);
   }
 
   void chooseHand() {
     const std::string refusal =
         choice.choose(waiting, options.bounds, [this](const HandPlan& wanted) {
-          beginMotion(simulatedConfig(wanted, options.period_s), wanted.rest);
+          beginMotion(simulatedConfig(wanted, options.period_s), restOfMotors(wanted));
           say(fmt::format("hand {}: {} joints", handgraft::quoted(wanted.hand),
                           wanted.jointCount()));
         });
@@ -405,7 +413,7 @@ struct Bridge::Impl {
     const std::optional<std::uint64_t> alive = feed.alive(at);
     if (!alive || now.stream != *alive) return;
     if (now.sequence != offered) return;  // the newest pose was refused, or is on its way
-    if (!isAtTarget(now, kArrived)) return;
+    if (!now.is_at_target) return;
     arrived = true;
     const std::string_view less = now.clamping.view();
     say(less.empty()
@@ -489,6 +497,7 @@ struct Bridge::Impl {
   PassedOver passed_over;
   OwnRefusal own_refusal;
   std::string warnings;  // how the config differs from the hand's model; empty: it does not
+  std::string misfit;    // of that, what keeps it from being moved
   std::string last_said, told_reason;
   std::uint64_t told_refusals = 0, overruns = 0;
 

@@ -30,15 +30,17 @@ std::string HandChoice::choose(const std::optional<StreamFeed::Pose>& waiting,
   }
 }
 
-std::optional<std::string> HandChoice::compare(std::uint64_t session,
-                                               const config::HandConfig& config) {
+std::optional<HandChoice::Comparison> HandChoice::compare(std::uint64_t session,
+                                                          const config::HandConfig& config) {
   const HandQuestion question{session, config.hand};
   const bool is_open = session != 0 && compared_ != session;
   describer_.want(is_open ? std::optional(question) : std::nullopt);
   const std::optional<HandDescriber::Answer> answer = describer_.take();
   if (!answer || answer->question != question) return std::nullopt;
   compared_ = session;
-  return answer->description ? differencesOf(*answer->description, config) : std::string();
+  if (!answer->description) return Comparison{};
+  return Comparison{differencesOf(*answer->description, config),
+                    kindsThatDiffer(*answer->description, config)};
 }
 
 }  // namespace handgraft::bridge

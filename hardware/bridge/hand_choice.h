@@ -32,9 +32,14 @@ class HandChoice {
                      const MotionBounds& bounds,
                      const std::function<void(const HandPlan&)>& begin);
 
-  /// The hand's model, as the server has it, against the config: once for each session. Empty:
-  /// they agree, or nobody knows; nothing: there is no news.
-  std::optional<std::string> compare(std::uint64_t session, const config::HandConfig& config);
+  /// How the config differs from the hand's model as the server has it, for people.
+  struct Comparison {
+    std::string differences;  ///< all of them; empty: they agree, or nobody knows
+    std::string kinds;        ///< of those, what keeps it from being moved
+  };
+
+  /// Once for each session; nothing: there is no news.
+  std::optional<Comparison> compare(std::uint64_t session, const config::HandConfig& config);
 
  private:
   static HandQuestion questionOf(const StreamFeed::Pose& pose) {

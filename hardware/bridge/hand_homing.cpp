@@ -21,7 +21,7 @@ constexpr double kTurn = 2 * std::numbers::pi;
 
 // Turns that an encoder is told to count from: another number each time, so that an old
 // calibration does not pass for the new one.
-double requestKeyOf(devices::TimePoint now, std::size_t motor) {
+double markTurnsOf(devices::TimePoint now, std::size_t motor) {
   const auto seed = static_cast<std::uint64_t>(now.time_since_epoch().count()) + 7919 * motor;
   const std::uint64_t mixed = (seed * 0x9E3779B97F4A7C15U) >> 40;
   return kLeastMarkTurns + static_cast<double>(mixed % 4096) / 64;
@@ -140,7 +140,7 @@ void HandHoming::finishStep(double zero_rad) {
     stack_.device->read(*measured_);
     const double stands_rad =
         old_zero_rad + motor.direction * motor.gear * measured_->position[index];
-    const double counted_rad = kTurn * requestKeyOf(clock_(), index);
+    const double counted_rad = kTurn * markTurnsOf(clock_(), index);
     if (std::isfinite(stands_rad) && stack_.device->recount(index, counted_rad)) {
       motor.zero_rad += counted_rad - stands_rad;
       motor.is_marked = true;

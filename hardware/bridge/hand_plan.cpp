@@ -130,7 +130,7 @@ config::HandConfig simulatedConfig(const HandPlan& plan, double period_s) {
   config.governor.period_s = period_s;
   config.governor.stale_after = milliseconds(1000);
   config.governor.brake_within = milliseconds(10'000);
-  config.governor.step = kFarthest;
+  config.governor.step = {kFarthest, kFarthest * kPinion};
   config.governor.ramp_share = 1;  // no need to move slowly to a far pose
   config.governor.longest_gap = milliseconds(3'600'000);
   config.governor.overruns_in_a_row = 1'000'000;
@@ -147,10 +147,35 @@ config::HandConfig simulatedConfig(const HandPlan& plan, double period_s) {
   return config;
 }
 
+std::vector<double> restOfMotors(const HandPlan& plan) {
+  std::vector<double> motor_rad;
+  for (std::size_t i = 0; i < plan.jointCount(); ++i)
+    motor_rad.push_back(plan.rest[i] / plan.limits[i].travel);
+  return motor_rad;
+}
+
+std::string kindsThatDiffer(const v1::HandDescription& description,
+                            const config::HandConfig& config) {
+  const auto& names = config.governor.names;
+  std::string text;
+  for (const v1::JointInfo& joint : description.joints()) {
+    const auto found = std::find(names.begin(), names.end(), joint.name());
+    if (found == names.end()) continue;
+    const bool slides = joint.kind() == v1::JOINT_PRISMATIC;
+    const bool config_slides =
+        config.governor.limits[static_cast<std::size_t>(found - names.begin())].slides;
+    if (config_slides == slides) continue;
+    text += fmt::format("{}joint {} {} in the config and {} in its model",
+                        text.empty() ? "" : "; ", quoted(joint.name()),
+                        config_slides ? "slides" : "turns", slides ? "slides" : "turns");
+  }
+  return text;
+}
+
 std::string differencesOf(const v1::HandDescription& description,
                           const config::HandConfig& config) {
   const auto& names = config.governor.names;
-  std::string text;
+  std::string text = kindsThatDiffer(description, config);
   const auto add = [&text](const std::string& what) {
     text += (text.empty() ? "" : "; ") + what;
   };
@@ -162,12 +187,7 @@ std::string differencesOf(const v1::HandDescription& description,
     }
     const auto& limits =
         config.governor.limits[static_cast<std::size_t>(found - names.begin())];
-    const bool slides = joint.kind() == v1::JOINT_PRISMATIC;
-    if (limits.slides != slides) {
-      add(fmt::format("joint {} {} in the config and {} in its model", quoted(joint.name()),
-                      limits.slides ? "slides" : "turns", slides ? "slides" : "turns"));
-      continue;
-    }
+    if (limits.slides != (joint.kind() == v1::JOINT_PRISMATIC)) continue;
     const double slack = kSame * limits.travel;
     if (limits.lower < joint.lower() - slack || limits.upper > joint.upper() + slack) {
       add(fmt::format(

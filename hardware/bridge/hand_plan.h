@@ -24,7 +24,7 @@ struct HandPlan {
   std::string hand;
   std::vector<std::string> names;
   std::vector<safety::JointLimits> limits;
-  std::vector<double> rest;  ///< rad, inside the limits
+  std::vector<double> rest;  ///< inside the limits
 
   [[nodiscard]] std::size_t jointCount() const { return names.size(); }
 };
@@ -45,6 +45,14 @@ config::HandConfig simulatedConfig(const HandPlan& plan, double period_s);
 /// forbids beyond that is its own affair.
 std::string differencesOf(const v1::HandDescription& description,
                           const config::HandConfig& config);
+
+/// Which joints slide by the one and turn by the other, for people; empty if none does. Limits
+/// and thresholds of such a config mean nothing: nobody may be moved by it.
+std::string kindsThatDiffer(const v1::HandDescription& description,
+                            const config::HandConfig& config);
+
+/// Where the motors of `simulatedConfig` stand when the hand rests, rad.
+std::vector<double> restOfMotors(const HandPlan& plan);
 
 /// Whether both are moved alike, so that a device made for one does for the other.
 bool movesAlike(const HandPlan& a, const HandPlan& b);

@@ -22,6 +22,7 @@ using safety::Time;
 constexpr std::chrono::seconds kReopen(1);
 // What the governor is told of a fault; the kind itself is kept beside.
 constexpr std::uint32_t kGuardCode = 0x100;
+constexpr safety::Distance kArrived{2e-3, 1e-4};
 constexpr double kFollowable = 0.95;     // of a joint's speed, so that it can catch up
 constexpr double kToldBehind = 0.05;     // s
 constexpr double kFastestSamples = 2.0;  // times real time: no joint is in the way
@@ -147,7 +148,7 @@ double Motion::permittedRate() {
       const double lag =
           std::max(std::abs(governor_.target()[i] - sent[i]),
                    std::abs(state_.command[i] - state_.residual[i] - state_.position[i]));
-      const double budget = config_.governor.near * limits.travel + at_full_speed;
+      const double budget = config_.governor.near.of(limits) + at_full_speed;
       permitted = std::min(permitted, std::clamp(2 * (1 - lag / budget), 0.0, kFastestSamples));
     }
     if (permitted >= rate) continue;
@@ -412,18 +413,27 @@ void Motion::turnHoming(Time now) {
   const MotorOrder order = governor_.tick(report, now);
   if (governor_.state() != GovernorState::kIdle) homing_->abort(order.power == Power::kCut);
   if (homing_->state() == HandHoming::State::kRunning) return;
-  state_.trouble.set("");
-  if (outcome == HandHoming::State::kDone) {
-    config_ = homing_->config();
+  const config::HandConfig homed = homing_->config();
+  std::string trouble_text;
+  if (outcome != HandHoming::State::kDone) trouble_text = homing_->reason();
+  homing_.reset();  // frees the wire
+  if (trouble_text.empty()) {
+    try {
+      stack_ = make_device_(homed);
+    } catch (const InvalidInput& error) {
+      trouble_text = fmt::format("its new zeros are refused: {}", error.what());
+    }
+  }
+  FixedText trouble;
+  if (trouble_text.empty()) {
+    config_ = homed;
     zeros_.find();
     if (on_homed_) on_homed_(&config_);
   } else {
-    state_.trouble.set(homing_->reason());
-    zeros_.lose(homing_->reason());
+    stack_ = make_device_(config_);
+    trouble.set(trouble_text);
+    zeros_.lose(trouble_text);
   }
-  const FixedText trouble = state_.trouble;
-  homing_.reset();
-  stack_ = make_device_(config_);
   open();
   zeros_.noteHeard();
   if (is_open_) state_.trouble = trouble;
@@ -471,8 +481,11 @@ void Motion::tell(Time now) {
   state_.measured_at = measured_.time;
   std::copy(governor_.target().begin(), governor_.target().end(), state_.target.begin());
   state_.tracking_rad = state_.residual_rad = 0;
+  state_.is_at_target = true;
   for (std::size_t i = 0; i < state_.position.size(); ++i) {
     const double travel = config_.governor.limits[i].travel;
+    const double missing = std::abs(state_.position[i] - state_.target[i]);
+    if (!(missing <= kArrived.of(config_.governor.limits[i]))) state_.is_at_target = false;
     const double off = std::abs(state_.command[i] - state_.position[i]) / travel;
     if (state_.is_powered) state_.tracking_rad = std::max(state_.tracking_rad, off);
     state_.residual_rad = std::max(state_.residual_rad, std::abs(state_.residual[i]) / travel);

@@ -77,11 +77,4 @@ std::string describe(const MotionState& state) {
   return "unknown";
 }
 
-bool isAtTarget(const MotionState& state, double tolerance) {
-  for (std::size_t i = 0; i < state.target.size(); ++i) {
-    if (!(std::abs(state.position[i] - state.target[i]) <= tolerance)) return false;
-  }
-  return true;
-}
-
 }  // namespace handgraft::bridge

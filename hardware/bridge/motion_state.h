@@ -88,6 +88,7 @@ struct MotionState {
   /// The largest |command - position| under power, and the largest residual; of joints that
   /// slide, at the motor.
   double tracking_rad = 0, residual_rad = 0;
+  bool is_at_target = false;
   std::optional<devices::Duration> command_age;  ///< of the newest accepted pose
   std::optional<devices::Duration> stream_age;   ///< since the stream was known to live
 
@@ -112,9 +113,5 @@ struct MotionState {
 /// Why the hand is in its state, for people: "armed", "held: the stream is stale", "fault:
 /// motor 3: no answer; RESET clears it".
 std::string describe(const MotionState& state);
-
-/// Whether each joint is measured where the newest pose asks it to be; never where one of both
-/// is no number.
-bool isAtTarget(const MotionState& state, double tolerance);
 
 }  // namespace handgraft::bridge

@@ -51,6 +51,7 @@ void MotionThread::turn(Periodic& periodic) {
   if (const Renewal* renewal = renewals_.take()) motion_->renew(renewal->stream, renewal->time);
   while (const std::optional<Request> request = requests_.take())
     motion_->request(*request);
+  if (wants_disarm_.exchange(false)) motion_->request(Request::kDisarm);
   motion_->turn();
   if (motion_->wasSlow()) periodic.forgive();
   MotionState& told = states_.draft();

@@ -39,7 +39,10 @@ class MotionThread {
   /// `stream` lived at `time`.
   void renew(std::uint64_t stream, safety::Time time);
 
-  void request(Request request) { static_cast<void>(requests_.put(request)); }
+  /// Of a flood all but a disarming may be lost.
+  void request(Request request) {
+    if (!requests_.put(request) && request == Request::kDisarm) wants_disarm_ = true;
+  }
 
   void estop() { estop_flag_ = true; }
 
@@ -67,6 +70,7 @@ class MotionThread {
   std::atomic<bool> is_ending_{false};
   bool is_realtime_ = false;
   RequestRing requests_;
+  std::atomic<bool> wants_disarm_{false};  // which the ring had no room for
   TripleBuffer<StreamPose> poses_;
   TimedPoseRing samples_;
   TripleBuffer<Renewal> renewals_;

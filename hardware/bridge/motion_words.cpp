@@ -92,12 +92,12 @@ std::string lostText(safety::FaultCause cause, const config::DeviceConfig& devic
 FixedText outsideText(const safety::GovernorOptions& options,
                       std::span<const double> measured) {
   FixedText told;
-  double worst = options.outside;
+  double worst = 1.0;
   std::array<char, 200> text{};
   for (std::size_t i = 0; i < measured.size(); ++i) {
     const safety::JointLimits& limits = options.limits[i];
-    const double beyond =
-        std::max(limits.lower - measured[i], measured[i] - limits.upper) / limits.travel;
+    const double beyond = std::max(limits.lower - measured[i], measured[i] - limits.upper) /
+                          options.outside.of(limits);
     if (!(beyond > worst)) continue;
     worst = beyond;
     const auto end = fmt::format_to_n(

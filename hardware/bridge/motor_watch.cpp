@@ -89,8 +89,10 @@ void noteMotors(const config::HandConfig& config,
     state.motor_temperature[i] = told;
     if (i >= joint_of_motor.size()) continue;
     const std::size_t joint = joint_of_motor[i];
-    state.effort[joint] = config.motors[i].torque_Nm_A * measured.current[i] /
-                          config.governor.limits[joint].travel;
+    const std::optional<double> torque_Nm_A = config.motors[i].torque_Nm_A;
+    const double per_A =
+        torque_Nm_A ? *torque_Nm_A / config.governor.limits[joint].travel : 1.0;
+    state.effort[joint] = per_A * measured.current[i];
   }
 }
 

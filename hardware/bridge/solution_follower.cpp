@@ -7,7 +7,8 @@ namespace handgraft::bridge {
 
 namespace {
 
-constexpr std::size_t kMostSessions = 256;  // remembered; more than one server ever holds open
+constexpr std::size_t kMostSessions =
+    256;  // remembered, the latest: a server may hold more open
 // A pose is written within milliseconds of its stamp, also by a server that starves; those out
 // of a store are older.
 constexpr std::int64_t kKeptAfter = 3'000'000'000;  // ns

@@ -49,6 +49,8 @@ class Walk {
       findings_.trouble = error.what();
     } catch (const TransportError& error) {
       findings_.trouble = error.what();
+    } catch (const InvalidInput& error) {
+      findings_.trouble = error.what();
     }
     return findings_;
   }
@@ -109,6 +111,20 @@ class Walk {
                : fmt::format("joint '{}' (motor '{}')", motor.joint, motor.name);
   }
 
+  /// A motor's angle, and where its joint is then if that slides.
+  [[nodiscard]] std::string placeText(std::size_t i, double motor_rad) const {
+    const std::vector<std::string> joints = config::motorJoints(config_);
+    const auto& names = config_.governor.names;
+    if (i < joints.size()) {
+      const auto joint = std::find(names.begin(), names.end(), joints[i]) - names.begin();
+      const safety::JointLimits& limits =
+          config_.governor.limits[static_cast<std::size_t>(joint)];
+      if (limits.slides)
+        return fmt::format("{:.4g} m ({:.3g} rad)", motor_rad * limits.travel, motor_rad);
+    }
+    return fmt::format("{:.3g} rad", motor_rad);
+  }
+
   [[nodiscard]] std::string nameOf(const devices::Fault& fault) const {
     if (fault.motor < 0) return describe(fault);
     return fmt::format("{}: {}", nameOf(static_cast<std::size_t>(fault.motor)),
@@ -148,10 +164,8 @@ class Walk {
       motor.direction = -motor.direction;
     }
     finding.is_direction_right = true;
-    const double one =
-        placed(i, fmt::format("to its lower end, {:.3g} rad", motor.range_rad.lower));
-    const double other =
-        placed(i, fmt::format("to its upper end, {:.3g} rad", motor.range_rad.upper));
+    const double one = placed(i, "to its lower end, " + placeText(i, motor.range_rad.lower));
+    const double other = placed(i, "to its upper end, " + placeText(i, motor.range_rad.upper));
     const auto angle = [&](double encoder_rad) {
       return motor.direction * (encoder_rad - motor.zero_rad) / motor.gear;
     };

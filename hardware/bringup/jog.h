@@ -14,7 +14,7 @@ using IsHeld = std::function<bool()>;
 /// One motor of a hand whose zeros and directions nobody knows yet: where it is, and a slow
 /// turn by a step. Its own range says nothing as yet, so that of the turn bounds it; the other
 /// motors hold where they stand. The device's own limits are set for it: at most
-/// `kJogSpeed_rad_s`.
+/// `kJogSpeed`.
 class Jogger {
  public:
   /// Errors: InvalidInput if no motor has that name.

@@ -356,7 +356,8 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
     // A follower may ask for more of its leader than the leader's own limits.
     const double speed = 3 * kVelocity;
     motors += fmt::format(
-        "  - {{name: {}, joint: {}, lower_rad: {}, upper_rad: {}, velocity_rad_s: {}{}}}\n",
+        "  - {{name: {}, joint: {}, lower_rad: {:.12g}, upper_rad: {:.12g}, velocity_rad_s: "
+        "{}{}}}\n",
         name, name, joint.lower / travel, joint.upper / travel, speed,
         motorText(traits, joint, ids[count]));
     ++count;

@@ -1,5 +1,6 @@
 #include "hardware/bringup/terminal.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -36,7 +37,8 @@ void Terminal::setRaw(bool is_raw) {
   if (!is_tty_ || is_raw == is_raw_) return;
   termios settings = saved_->settings;
   if (is_raw) settings.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-  tcsetattr(STDIN_FILENO, is_raw ? TCSANOW : TCSAFLUSH, &settings);
+  // What was typed ahead holds nothing.
+  tcsetattr(STDIN_FILENO, TCSAFLUSH, &settings);
   is_raw_ = is_raw;
 }
 
@@ -84,7 +86,9 @@ bool Terminal::isHeld() {
   if (poll(&input, 1, static_cast<int>(wait.count())) > 0) {
     std::array<char, 64> keys{};
     const ssize_t count = ::read(STDIN_FILENO, keys.data(), keys.size());
-    if (count > 0) pressed_ = std::chrono::steady_clock::now();
+    if (std::find(keys.begin(), keys.begin() + std::max<ssize_t>(count, 0), ' ') !=
+        keys.begin() + std::max<ssize_t>(count, 0))
+      pressed_ = std::chrono::steady_clock::now();
     if (count == 0) has_ended_ = true;
   }
   return pressed_ && now - *pressed_ < kHeld;

@@ -22,7 +22,8 @@ class Terminal {
   /// Nothing at the end of the input.
   std::optional<std::string> ask(const std::string& question);
 
-  /// A key was pressed within the last 0.7 s: as long as keyboards take until they repeat.
+  /// The space bar was pressed within the last 0.7 s: as long as keyboards take until they
+  /// repeat.
   bool isHeld();
 
   /// The input came to its end.

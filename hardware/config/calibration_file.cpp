@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "hardware/config/joint_section.h"
 #include "hardware/config/text_file.h"
 #include "hardware/config/yaml_section.h"
 
@@ -11,14 +12,15 @@ namespace handgraft::config {
 
 namespace {
 
-constexpr double kTurns = 1000;  // rad
-constexpr std::size_t kMostMotors = 512;
+// rad, at the encoder: a marked one counts from up to a hundred turns away, and behind gears
+// a motor's turn is a thousand of its own.
+constexpr double kFarthestZero = 1e6;
 
 void readMotors(Section& file, HandConfig& config, Problems& problems) {
   std::set<std::string> seen;
-  for (Section& section : file.list("motors", 1, kMostMotors)) {
+  for (Section& section : file.list("motors", 1, kMostJoints)) {
     const std::string name = section.text("name");
-    const double zero = section.number("zero_rad", -kTurns, kTurns);
+    const double zero = section.number("zero_rad", -kFarthestZero, kFarthestZero);
     const int direction = section.choice<int>("direction", {{"1", 1}, {"-1", -1}});
     const bool is_marked = section.flag("marked", false);
     section.finish();

@@ -293,15 +293,18 @@ std::vector<std::string> remarksOn(const HandConfig& config) {
           quoted(config.governor.names[i]), limits.lower, limits.upper, kWide));
     }
   }
-  const bool any_slides =
-      std::any_of(config.governor.limits.begin(), config.governor.limits.end(),
-                  [](const safety::JointLimits& limits) {
-                    return limits.slides;
-                  });
-  // Nor does one that draws a rack, or turns a screw.
-  if (any_slides) return remarks;
-  for (const MotorConfig& motor : config.motors)
+  const std::vector<std::string> joints = motorJoints(config);
+  for (std::size_t i = 0; i < config.motors.size(); ++i) {
+    const MotorConfig& motor = config.motors[i];
+    const auto& names = config.governor.names;
+    const auto joint =
+        i < joints.size() ? std::find(names.begin(), names.end(), joints[i]) : names.end();
+    // One that draws a rack, or turns a screw, goes round as often as it must.
+    if (joint != names.end() &&
+        config.governor.limits[static_cast<std::size_t>(joint - names.begin())].slides)
+      continue;
     note("motor", motor.name, motor.range_rad.lower, motor.range_rad.upper, most_of_motor);
+  }
   return remarks;
 }
 

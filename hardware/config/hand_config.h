@@ -62,7 +62,7 @@ struct MotorConfig {
   double velocity_rad_s = 0;  ///< the most that it may be asked for
   double current_A = 0;       ///< that it may use
   Encoder encoder = Encoder::kUnsaid;
-  double torque_Nm_A = 1;  ///< at the motor's angle; 1: efforts are told in A
+  std::optional<double> torque_Nm_A;  ///< at the motor's angle; unsaid: efforts are told in A
   std::optional<MotorGains> gains;
   /// Since it was homed the device counts from a place of ours, so that a restart shows.
   bool is_marked = false;

@@ -31,16 +31,19 @@ void readLoop(Section section, HandConfig& config) {
 
 void readStream(Section section, safety::GovernorOptions& governor) {
   governor.stale_after = section.duration("stale_ms", 10, 10'000, governor.stale_after);
-  governor.step = section.number("step_rad", 0.01, 100, governor.step);
+  governor.step.rad = section.number("step_rad", 0.01, 100, governor.step.rad);
+  governor.step.m = section.number("step_m", 1e-4, 1, governor.step.m);
   governor.hold_for = section.duration("hold_ms", 1, 600'000, governor.hold_for);
   section.finish();
 }
 
 void readArming(Section section, HandConfig& config) {
   safety::GovernorOptions& governor = config.governor;
-  governor.near = section.number("near_rad", 0, 1, governor.near);
+  governor.near.rad = section.number("near_rad", 0, 1, governor.near.rad);
+  governor.near.m = section.number("near_m", 0, 0.01, governor.near.m);
   governor.ramp_share = section.number("ramp_share", 0.001, 1, governor.ramp_share);
-  governor.outside = section.number("outside_rad", 0.001, 10, governor.outside);
+  governor.outside.rad = section.number("outside_rad", 0.001, 10, governor.outside.rad);
+  governor.outside.m = section.number("outside_m", 1e-5, 0.1, governor.outside.m);
   config.motor_outside_rad =
       section.number("motor_outside_rad", 0.001, 10, config.motor_outside_rad);
   governor.power_within =
@@ -99,7 +102,8 @@ void readMotors(Section& file, HandConfig& config, bool is_known_kind) {
       motor.current_A = section.number("current_A", 1e-3, 100);
     }
     if (!is_ability_hand) {
-      motor.torque_Nm_A = section.number("torque_Nm_A", 1e-4, 100, 1);
+      if (section.has("torque_Nm_A"))
+        motor.torque_Nm_A = section.number("torque_Nm_A", 1e-4, 100);
       motor.gear = section.number("gear", 1e-3, 1000, 1);
       motor.zero_rad = section.number("zero_rad", -kFarthestTurn, kFarthestTurn, 0);
       motor.direction = section.choice<int>("direction", {{"1", 1}, {"-1", -1}}, 1);

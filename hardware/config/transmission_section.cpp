@@ -25,10 +25,12 @@ tendon::MimicJoint followerOf(Section& section, const HandConfig& config) {
   tendon::MimicJoint follower{};
   follower.joint = jointNamed(section, "joint", config);
   follower.leader = jointNamed(section, "leader", config);
-  follower.ratio = section.number("ratio", -100, 100);
+  // Of what turns with a joint that slides, in rad/m.
+  follower.ratio = section.number("ratio", -1e4, 1e4);
   const bool slides =
       !config.governor.limits.empty() && config.governor.limits[follower.joint].slides;
-  follower.offset = section.number(slides ? "offset_m" : "offset_rad", -100, 100, 0);
+  follower.offset = slides ? section.number("offset_m", -1, 1, 0)
+                           : section.number("offset_rad", -100, 100, 0);
   section.finish();
   return follower;
 }

@@ -21,6 +21,14 @@ void requirePositive(const char* what, Milliseconds time) {
   if (time <= Milliseconds::zero()) rejectInput("{} {} ms is not positive", what, time.count());
 }
 
+void requireDistance(const char* what, const Distance& distance, bool may_be_none) {
+  for (const double value : {distance.rad, distance.m}) {
+    if (!(value > 0 || (may_be_none && value == 0)) || !std::isfinite(value))
+      rejectInput("{} {} is not {} and finite", what, value,
+                  may_be_none ? "0 or more" : "positive");
+  }
+}
+
 GovernorOptions validated(GovernorOptions options) {
   if (options.names.size() != options.limits.size())
     rejectInput("{} joint names for {} limits", options.names.size(), options.limits.size());
@@ -32,12 +40,11 @@ GovernorOptions validated(GovernorOptions options) {
   requirePositive("time to reset", options.reset_within);
   requirePositive("time limited", options.limited_for);
   requirePositive("longest gap", options.longest_gap);
-  if (!(options.near >= 0) || !std::isfinite(options.near))
-    rejectInput("near {} is not in [0, inf)", options.near);
+  requireDistance("near", options.near, true);
   if (!(options.ramp_share > 0) || !(options.ramp_share <= 1))
     rejectInput("ramp share {} is not in (0, 1]", options.ramp_share);
-  if (!(options.step > 0)) rejectInput("step {} is not positive", options.step);
-  if (!(options.outside > 0)) rejectInput("outside {} is not positive", options.outside);
+  requireDistance("step", options.step, false);
+  requireDistance("outside", options.outside, false);
   for (std::size_t i = 0; i < options.names.size(); ++i) {
     const double travel = options.limits[i].travel;
     if (!(travel > 0) || !std::isfinite(travel))
@@ -317,7 +324,7 @@ void Governor::watchMotors(const DeviceReport& device, Time now) {
 bool Governor::isFarOutside() const {
   for (std::size_t i = 0; i < measured_.size(); ++i) {
     const JointLimits& limits = options_.limits[i];
-    const double slack = options_.outside * limits.travel;
+    const double slack = options_.outside.of(limits);
     if (measured_[i] < limits.lower - slack || measured_[i] > limits.upper + slack) return true;
   }
   return false;
@@ -387,7 +394,7 @@ void Governor::follow() {
 bool Governor::isFarStep() const {
   const bool rests = limiter_.atRest();
   for (std::size_t i = 0; i < target_.size(); ++i) {
-    const double step = options_.step * options_.limits[i].travel;
+    const double step = options_.step.of(options_.limits[i]);
     const bool jumps = std::abs(target_[i] - limiter_.targets()[i]) > step;
     const bool is_far = std::abs(target_[i] - limiter_.positions()[i]) > step;
     if (is_far && (rests || jumps)) return true;
@@ -397,7 +404,7 @@ bool Governor::isFarStep() const {
 
 bool Governor::isNearTarget(std::span<const double> positions) const {
   for (std::size_t i = 0; i < target_.size(); ++i) {
-    const double near = options_.near * options_.limits[i].travel;
+    const double near = options_.near.of(options_.limits[i]);
     if (std::abs(positions[i] - target_[i]) > near) return false;
   }
   return true;

@@ -86,7 +86,14 @@ enum class StopMode {
   kCut,    ///< the device's own stop frame is the next on the wire
 };
 
-/// Of joints that slide, radians are their motors' (JointLimits::travel).
+/// A distance that a joint may be off, by whether it turns or slides.
+struct Distance {
+  double rad = 0;
+  double m = 0;
+
+  [[nodiscard]] double of(const JointLimits& joint) const { return joint.slides ? m : rad; }
+};
+
 struct GovernorOptions {
   std::vector<std::string> names;   ///< of the joints, unique
   std::vector<JointLimits> limits;  ///< one per joint
@@ -94,10 +101,9 @@ struct GovernorOptions {
 
   Milliseconds stale_after{100};  ///< without a valid sample: hold
   Milliseconds hold_for{1000};    ///< from the beginning of a hold to power off
-  double near = 0.1;              ///< rad; arming farther from the first target: ramp
+  Distance near{0.1, 1e-3};       ///< arming farther from the first target: ramp
   double ramp_share = 0.1;        ///< of each velocity limit, until the target is near
-  double step =
-      0.5;  ///< rad; a target that jumps farther, or is farther from a hand at rest: ramp
+  Distance step{0.5, 5e-3};       ///< a target jumps farther, or is so far from rest: ramp
   StopMode stop_mode = StopMode::kBrake;
   Milliseconds brake_within{1000};  ///< after it power goes off, whatever still moves
 
@@ -105,7 +111,7 @@ struct GovernorOptions {
   Milliseconds power_within{2000};        ///< from the order to the device's report
   Milliseconds reset_within{3000};        ///< for the device to clear its faults
   Milliseconds limited_for{1000};         ///< a motor that does not obey: hold
-  double outside = 0.2;                   ///< rad beyond the limits: a broken measurement
+  Distance outside{0.2, 2e-3};            ///< beyond the limits: a broken measurement
 
   unsigned overruns_in_a_row = 10;
   Milliseconds longest_gap{100};  ///< between two ticks under power

@@ -16,8 +16,8 @@ struct JointLimits {
   double jerk = 400.0;
   double margin = 1e-4;  ///< targets stay this far inside `lower` and `upper`
   bool slides = false;
-  /// What it moves by for each radian of its motor: 1 if it turns, m if it slides. What is
-  /// told in radians for all joints is meant at the motor of one that slides.
+  /// What it moves by for each radian of its motor, behind gears: 1 if it turns, m if it
+  /// slides.
   double travel = 1.0;
 };
 

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/hand/kinematics.h"
+#include "core/io/posed_grasp.h"
 #include "idl/fields.h"
 #include "server/messages/session_messages.h"
 
@@ -327,19 +328,9 @@ sensor_msgs::msg::dds_::JointState_ jointCommand(const hand::HandModel& model,
   command.header().stamp().sec(static_cast<std::int32_t>(stamp_ns / kSecond));
   command.header().stamp().nanosec(static_cast<std::uint32_t>(stamp_ns % kSecond));
   command.header().frame_id(model.name());
-  for (int dof = 0; dof < model.dofCount(); ++dof) {
-    command.name().push_back(model.dofJoint(dof).name);
-    command.position().push_back(q[dof]);
-  }
-  for (const hand::Joint& joint : model.joints()) {
-    if (!joint.mimic) continue;
-    const auto& nodes = model.nodes();
-    const auto node = std::find_if(nodes.begin(), nodes.end(), [&](const auto& one) {
-      return one.joint_name == joint.name;
-    });
-    if (node == nodes.end() || node->dof < 0) continue;
+  for (const io::JointValue& joint : io::jointValues(model, q)) {
     command.name().push_back(joint.name);
-    command.position().push_back(node->multiplier * q[node->dof] + node->offset);
+    command.position().push_back(joint.value);
   }
   return command;
 }

@@ -111,11 +111,17 @@ void UploadStore::put(const ClientId& client, const v1::PutFileRequest& chunk) {
                 chunk.offset(), file.total);
   }
   makeRoom(key, chunk.bytes().size(), chunk.uri());
-  std::ofstream out(upload.files->file(chunk.uri()), std::ios::binary | std::ios::app);
+  const fs::path path = upload.files->file(chunk.uri());
+  std::ofstream out(path, std::ios::binary | std::ios::app);
   out.write(reinterpret_cast<const char*>(chunk.bytes().data()),
             static_cast<std::streamsize>(chunk.bytes().size()));
   out.close();
-  if (!out) reject(v1::ERROR_OVERLOADED, "the server has no room left for uploads");
+  if (!out) {
+    // Of a chunk that comes again nothing may be there.
+    std::error_code ignored;
+    fs::resize_file(path, file.received, ignored);
+    reject(v1::ERROR_OVERLOADED, "the server has no room left for uploads");
+  }
   file.received += chunk.bytes().size();
   upload.received += chunk.bytes().size();
 }

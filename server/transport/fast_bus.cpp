@@ -143,8 +143,8 @@ class FastBus final : public Bus {
   FastBus(const Network& network, const Identity& identity)
       : server_(network.server),
         is_secured_(identity.has_value()),
-        acquaintances_(identity),
-        node_(network, identity, acquaintances_),
+        directory_(identity),
+        node_(network, identity, directory_),
         is_paced_(!validate(network).loopback),
         replies_(node_.own(), idl::kReplyTopic, is_paced_),
         progresses_(node_.own(), idl::kProgressTopic),
@@ -164,7 +164,7 @@ class FastBus final : public Bus {
 
   void start(BusListener& listener) override {
     using Privilege = idl::Privilege;
-    acquaintances_.tell(&listener);
+    directory_.tell(&listener);
     if (is_secured_) {
       for (const Privilege held : {Privilege::kLook, Privilege::kEdit, Privilege::kOperate})
         hearRequests(listener, held);
@@ -188,7 +188,7 @@ class FastBus final : public Bus {
   }
 
   void stop() override {
-    acquaintances_.tell(nullptr);
+    directory_.tell(nullptr);
     requests_.clear();
     edits_.reset();
     demonstrators_.reset();
@@ -249,7 +249,7 @@ class FastBus final : public Bus {
 
   [[nodiscard]] std::optional<idl::security::Named> whoIs(const Sender& sender) const override {
     if (!is_secured_) return std::nullopt;
-    return acquaintances_.whoIs(sender).value_or(idl::security::Named());
+    return directory_.whoIs(sender).value_or(idl::security::Named());
   }
 
   void lookAround() override {
@@ -335,7 +335,7 @@ class FastBus final : public Bus {
     const auto found = commands_.find(session_id);
     if (found != commands_.end()) return found->second;
     const std::string name = commandTopicOf(session_id);
-    if (!acquaintances_.isRead(name)) {
+    if (!directory_.isRead(name)) {
       if (commands_.size() >= kAnnouncedCommands || announced_ >= kAnnouncedInAll) {
         unannounced_.insert(session_id);
         return nullptr;
@@ -367,7 +367,7 @@ class FastBus final : public Bus {
   std::string server_;
   bool is_secured_;
   std::optional<idl::security::Revocations> revocations_;
-  ParticipantDirectory acquaintances_;
+  ParticipantDirectory directory_;
   Node node_;
   bool is_paced_;
   OnTheirWay on_their_way_;

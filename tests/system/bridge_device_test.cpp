@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/environment_variable.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_domain.h"
 #include "tests/system/bridge_bench.h"
@@ -127,6 +128,78 @@ INSTANTIATE_TEST_SUITE_P(Devices,
                          [](const auto& told) {
                            return told.param;
                          });
+
+// === A gripper whose jaws slide
+
+constexpr const char* kGripperUrdf = R"(<robot name="printed_gripper">
+  <link name="base"><visual><origin xyz="0 0 0.03"/><geometry><box size="0.05 0.11 0.06"/></geometry></visual></link>
+  <link name="left"><visual><origin xyz="0 0.006 0.04"/><geometry><box size="0.022 0.012 0.08"/></geometry></visual></link>
+  <link name="right"><visual><origin xyz="0 -0.006 0.04"/><geometry><box size="0.022 0.012 0.08"/></geometry></visual></link>
+  <joint name="left_jaw" type="prismatic"><parent link="base"/><child link="left"/><origin xyz="0 0 0.06"/>
+    <axis xyz="0 1 0"/><limit lower="0" upper="0.036" effort="10" velocity="0.1"/></joint>
+  <joint name="right_jaw" type="prismatic"><parent link="base"/><child link="right"/><origin xyz="0 0 0.06"/>
+    <axis xyz="0 -1 0"/><limit lower="0" upper="0.036" effort="10" velocity="0.1"/>
+    <mimic joint="left_jaw"/></joint>
+</robot>)";
+
+class GripperOnADevice : public testing::Test {
+ protected:
+  GripperOnADevice() {
+    const auto path = scratchDirectory() / "printed_gripper.urdf";
+    std::ofstream(path) << kGripperUrdf;
+    const Finished loaded = service.client({"load", "hand", path.string()});
+    EXPECT_EQ(loaded.exit_code, 0) << loaded.err;
+  }
+
+  // Before the service: its skin is made once for both tests.
+  EnvironmentVariable cache{"XDG_CACHE_HOME", scratchDirectory() / "cache"};
+  Service service;
+};
+
+TEST_F(GripperOnADevice, MetresOfASolutionTurnItsMotor) {
+  LiveSession session(service, "printed_gripper", "box", "box_5");
+  BridgeBench bench(service.network(), patientExample("printed_gripper"));
+  bench.startBridge();
+  const v1::PoseSolution solved = session.optimize();
+  ASSERT_EQ(solved.joint_positions().size(), 1u) << "of the jaw that leads";
+  const double jaw_m = solved.joint_positions()[0];
+  ASSERT_GT(jaw_m, 0.002) << "the box is between the jaws";
+  ASSERT_TRUE(bench.arm()) << bench.told();
+  EXPECT_TRUE(bench.arrive(
+      [&] {
+        return std::vector<double>{jaw_m / 0.012};
+      },
+      3e-3))
+      << bench.told();
+}
+
+TEST_F(GripperOnADevice, WhoseJawTurnsInItsConfigIsNotArmed) {
+  LiveSession session(service, "printed_gripper", "box", "box_5");
+  std::string config = patientExample("printed_gripper");
+  for (const char* key : {"lower", "upper"}) {
+    for (int jaw = 0; jaw < 2; ++jaw) {
+      const std::string metres = std::string(key) + "_m: ";
+      config.replace(config.find(metres), metres.size(), std::string(key) + "_rad: ");
+    }
+  }
+  replace(config, ", travel_m_rad: 0.012", "");
+  replace(config, "motion: {velocity_m_s: 0.04, acceleration_m_s2: 0.4, jerk_m_s3: 12}",
+          "motion: {velocity_rad_s: 0.04, acceleration_rad_s2: 0.4, jerk_rad_s3: 12}");
+  BridgeBench bench(service.network(), config);
+  bench.startBridge();
+  session.optimize();
+  ASSERT_TRUE(bench.status([](const v1::BridgeStatus& status) {
+    return !status.warnings().empty() && status.poses_accepted() > 0;
+  })) << bench.told();
+  bench.command(v1::COMMAND_ARM);
+  const auto refused = bench.status([](const v1::BridgeStatus& status) {
+    return status.refusal() != v1::REFUSAL_NONE;
+  });
+  ASSERT_TRUE(refused.has_value()) << bench.told();
+  EXPECT_EQ(refused->last_refusal(),
+            "ARM refused: joint 'left_jaw' turns in the config and slides in its model");
+  EXPECT_FALSE(bench.rig().isPowered());
+}
 
 // === What must end motion, on a Dynamixel hand of three motors
 

@@ -160,6 +160,7 @@ milliseconds BridgeLink::repeat() {
 }
 
 v1::BridgeStatus BridgeLink::news(std::uint32_t bridge_id) {
+  requireAlive(bridge_id, heard_[bridge_id]);
   take();
   return bridges_[bridge_id];
 }

@@ -221,14 +221,14 @@ render::Image drawRun(const BridgeRun& run, std::size_t most) {
   };
   for (const std::size_t i : order) {
     render::PlotPanel panel;
-    panel.label = run.joints[i] + " (rad)";
+    panel.label = run.joints[i] + " (rad, m if it slides)";
     panel.lines = {line(columnOf(run.target, i), 2, 1.5, "target"),
                    line(columnOf(run.command, i), 1, 3.0, "commanded"),
                    line(columnOf(run.measured, i), 0, 1.5, "measured")};
     plot.panels.push_back(std::move(panel));
   }
   render::PlotPanel tracking;
-  tracking.label = "largest off (rad)";
+  tracking.label = "largest off (rad, m)";
   tracking.lines = {line(trackingOf(run), 3, 2.0, "|commanded - measured|")};
   plot.panels.push_back(std::move(tracking));
   return render::drawPlot(plot);

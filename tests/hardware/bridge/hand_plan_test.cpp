@@ -48,8 +48,11 @@ TEST(HandPlan, BoundsPrismaticJointsInMetres) {
 TEST(HandPlan, AMotorThatIsNotThereDrawsAJointThatSlides) {
   v1::JointInfo slide = joint("slide", 0, 0.05);
   slide.kind(v1::JOINT_PRISMATIC);
-  const config::HandConfig config =
-      simulatedConfig(planHand(handOf("gripper", {joint("turn", 0, 1), slide}), {}), 0.01);
+  v1::HandDescription gripper = handOf("gripper", {joint("turn", 0, 1), slide});
+  gripper.rest_positions({0.5, 0.02});
+  const HandPlan plan = planHand(gripper, {});
+  EXPECT_THAT(restOfMotors(plan), testing::ElementsAre(0.5, testing::DoubleEq(2.0)));
+  const config::HandConfig config = simulatedConfig(plan, 0.01);
   const std::unique_ptr<tendon::MotorMap> map = config::makeMotorMap(config);
   std::vector<double> motors(2), residual(2), measured(2);
   const std::vector<double> pose{0.5, 0.03};
@@ -111,9 +114,12 @@ TEST(HandPlan, AJointThatSlidesInTheModelAndTurnsInTheConfigIsTold) {
   config.governor.limits = {{.lower = 0, .upper = 0.04}};
   EXPECT_EQ(differencesOf(model, config),
             "config and model differ: joint 'jaw' turns in the config and slides in its model");
+  EXPECT_EQ(kindsThatDiffer(model, config),
+            "joint 'jaw' turns in the config and slides in its model");
   config.governor.limits[0].slides = true;
   config.governor.limits[0].travel = 0.012;
   EXPECT_EQ(differencesOf(model, config), "");
+  EXPECT_EQ(kindsThatDiffer(model, config), "");
   config.governor.limits[0].upper = 0.0405;
   EXPECT_THAT(differencesOf(model, config),
               HasSubstr("joint 'jaw' may go from 0 to 0.0405 m, its model from 0 to 0.04"));

@@ -154,8 +154,8 @@ class EveryHandInAStorm : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EveryHandInAStorm, KeepsEveryLimitAndTheDeviceDecodesIt) {
   config::HandConfig config = test::exampleConfig(GetParam());
-  config.homing.clear();       // as if it had been homed
-  config.governor.step = 100;  // slow steps would try no limit
+  config.homing.clear();            // as if it had been homed
+  config.governor.step = {100, 1};  // slow steps would try no limit
   config.governor.stale_after = std::chrono::milliseconds(100);
   config.governor.period_s = std::max(config.governor.period_s, 0.01);  // as the storm blows
   const std::vector<safety::JointLimits>& limits = config.governor.limits;

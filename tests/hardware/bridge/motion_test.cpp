@@ -88,7 +88,7 @@ TEST(Motion, SaysWhichJointStandsFarOutsideItsLimits) {
   HandInMotion hand(exampleReady("leap"));
   const config::HandConfig& config = hand.motion().config();
   const safety::JointLimits& limits = config.governor.limits[0];
-  hand.rig().put(0, config.motors[0].range_rad.upper + config.governor.outside + 0.3);
+  hand.rig().put(0, config.motors[0].range_rad.upper + config.governor.outside.rad + 0.3);
   ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
   hand.offer(0.4);
   hand.motion().request(Request::kArm);
@@ -105,7 +105,7 @@ TEST(Motion, OutOfSeveralJointsTheOneFarthestOutsideIsNamed) {
   safety::GovernorOptions options;
   options.names = {"a", "b", "c"};
   options.limits.resize(3, {.lower = 0, .upper = 1.5});
-  options.outside = 0.2;
+  options.outside.rad = 0.2;
   EXPECT_EQ(outsideText(options, std::vector{-0.1, 1.6, 0.5}).view(), "") << "by less";
   EXPECT_EQ(outsideText(options, std::vector{-0.3, 71.6, 0.5}).view(),
             "joint 'b' is at 71.6 rad, its limits 0 to 1.5");
@@ -116,9 +116,8 @@ TEST(Motion, WhatIsSaidOfAJointThatSlidesIsInMetres) {
   options.names = {"turn", "jaw"};
   options.limits = {{.lower = 0, .upper = 1.5},
                     {.lower = 0, .upper = 0.04, .slides = true, .travel = 0.012}};
-  options.outside = 0.2;
-  EXPECT_EQ(outsideText(options, std::vector{0.5, 0.042}).view(), "")
-      << "0.17 rad of its motor";
+  options.outside = {0.2, 2e-3};
+  EXPECT_EQ(outsideText(options, std::vector{0.5, 0.0415}).view(), "") << "by less";
   EXPECT_EQ(outsideText(options, std::vector{1.75, 0.046}).view(),
             "joint 'jaw' is at 0.046 m, its limits 0 to 0.04");
   const Clamping told = clampingOf(options, std::vector{1.6, 0.052}, std::vector{1.5, 0.04});
@@ -134,6 +133,9 @@ TEST(Motion, AJawsForceIsItsMotorsTorqueOverItsTravel) {
   MotionState state(2, 1, 0);
   noteMotors(config, measured, {0}, state);
   EXPECT_NEAR(state.effort[0], 3.0, 1e-12) << "N";
+  config.motors[0].torque_Nm_A.reset();
+  noteMotors(config, measured, {0}, state);
+  EXPECT_EQ(state.effort[0], 0.1) << "A";
   EXPECT_TRUE(std::isnan(state.effort[1])) << "it has no motor of its own";
 }
 

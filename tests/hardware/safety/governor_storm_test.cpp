@@ -35,7 +35,7 @@ GovernorOptions stormOptions(double period_s, std::uint64_t seed) {
   }
   options.brake_within = 3000ms;
   options.ramp_share = 0.5;
-  options.step = 100;  // slow steps would try no limit
+  options.step = {100, 1};  // slow steps would try no limit
   return options;
 }
 

@@ -74,9 +74,8 @@ TEST(Governor, ClampsTargetsInsideTheLimitsByTheMarginAndCountsIt) {
   EXPECT_EQ(rig.governor.counters().clamped_samples, 1u);
 }
 
-// What is told in radians for all joints is meant at the motor of one that slides: a tenth of a
-// metre would be the whole way of a jaw.
-TEST(Governor, OfAJointThatSlidesNearAndFarAreItsMotors) {
+// A tenth of a metre would be the whole way of a jaw.
+TEST(Governor, OfAJointThatSlidesNearAndFarAreMillimetres) {
   GovernorOptions options = quickOptions();
   options.limits[0] = {.lower = 0,
                        .upper = 0.04,
@@ -85,7 +84,7 @@ TEST(Governor, OfAJointThatSlidesNearAndFarAreItsMotors) {
                        .jerk = 100,
                        .margin = 1e-6,
                        .slides = true,
-                       .travel = 0.01};
+                       .travel = 3.2e-4};  // a screw's
   Rig rig(options);
   rig.position = {0.02, 0.05};
   rig.pose = {0.0195, 0.05};
@@ -94,7 +93,7 @@ TEST(Governor, OfAJointThatSlidesNearAndFarAreItsMotors) {
   EXPECT_FALSE(rig.governor.isRamping()) << "half a millimetre is near";
   rig.offer({0.024, 0.05});
   rig.tick();
-  EXPECT_FALSE(rig.governor.isRamping()) << "5 mm are a step";
+  EXPECT_FALSE(rig.governor.isRamping()) << "4.5 mm are a step";
   rig.follow(60);
   rig.offer({0.032, 0.05});
   rig.tick();

@@ -249,7 +249,7 @@ TEST(Governor, RefusesOptionsThatMeanNothing) {
     o.hold_for = -1ms;
   });
   refuses([](auto& o) {
-    o.near = kNaN;
+    o.near.rad = kNaN;
   });
   refuses([](auto& o) {
     o.ramp_share = 0;
@@ -258,7 +258,7 @@ TEST(Governor, RefusesOptionsThatMeanNothing) {
     o.ramp_share = 1.5;
   });
   refuses([](auto& o) {
-    o.outside = kNaN;
+    o.outside.m = kNaN;
   });
   refuses([](auto& o) {
     o.overruns_in_a_row = 0;
