@@ -61,6 +61,12 @@ ModelFiles withMainFile(v1::ModelKind kind, const fs::path& path) {
   return model;
 }
 
+/// It goes into exported files, and must not pass for the hand of the file there.
+std::string mirrorsName(const std::string& name) {
+  constexpr std::string_view kSuffix = "_mirrored";
+  return name.substr(0, kLongestModelName - kSuffix.size()) + std::string(kSuffix);
+}
+
 void add(ModelFiles& model, const std::string& uri, const fs::path& path) {
   const auto same = [&](const UploadFile& file) {
     return file.uri == uri;
@@ -175,6 +181,7 @@ ModelFiles handFiles(const fs::path& urdf,
                      const HandReading& reading,
                      const std::string& units) {
   ModelFiles model = withMainFile(v1::MODEL_HAND, urdf);
+  if (reading.options.mirrored()) model.name = mirrorsName(model.name);
   model.units = units;
   const fs::path folder = fs::absolute(urdf).parent_path();
   const FileFence fence = fenceOf(urdf, reading.packages, reading.within);

@@ -229,9 +229,11 @@ std::string motion(const MotionResult& result) {
       unit.scale * summary.max_acceleration(), unit.scale * summary.rms_jerk(), unit.name);
   out += limitsText(result);
   out += notes(summary.notes());
-  out += fmt::format("time: solve {:.0f} ms, {:.2f} ms a frame; all in all {:.0f} ms\n",
-                     summary.solve_ms(),
-                     summary.solve_ms() / std::max(1U, summary.frame_count()), result.total_ms);
+  out += fmt::format("time: solve {:.0f} ms, {:.2f} ms a frame; ", summary.solve_ms(),
+                     summary.solve_ms() / std::max(1U, summary.frame_count()));
+  if (result.files_ms > 0.0)
+    out += fmt::format("files and pictures {:.0f} ms; ", result.files_ms);
+  out += fmt::format("all in all {:.0f} ms\n", result.total_ms + result.files_ms);
   return out;
 }
 
@@ -304,6 +306,7 @@ Json motion(const MotionResult& result) {
   document["object"] = result.session.object();
   document["motion"] = result.motion.name();
   document["total_ms"] = result.total_ms;
+  document["files_ms"] = result.files_ms;
   document["joint_names"] = Json::array();
   for (const v1::JointInfo& joint : result.hand.joints())
     document["joint_names"].push_back(joint.name());

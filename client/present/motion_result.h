@@ -19,6 +19,7 @@ struct MotionResult {
   v1::MotionSummary summary;
   std::vector<v1::MotionFrame> frames;  ///< all of them
   double total_ms = 0.0;                ///< from the first request to the last reply
+  double files_ms = 0.0;                ///< files and pictures written after it
   bool kept = false;                    ///< the session stays open
 };
 

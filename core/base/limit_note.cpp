@@ -20,7 +20,7 @@ std::string limitNote(const std::string& joint,
     if (limits.lower >= own.lower - kSame && limits.upper <= own.upper + kSame) return "";
     return fmt::format(
         "limits {:.4g} to {:.4g} {} of joint {} go beyond the hand's own, {:.4g} to {:.4g}: "
-        "it cannot take poses there",
+        "the hand as it is built cannot take poses there",
         limits.lower, limits.upper, slides ? "m" : "rad", quoted(joint), own.lower, own.upper);
   }
   return slides ? fmt::format(

@@ -269,16 +269,18 @@ void noteAPalmThatLeans(const ToldPalm& told, Anatomy& anatomy) {
       inDegrees(std::acos(std::clamp(cosine, -1.0, 1.0)))));
 }
 
-/// What most names of the file say: right, left; unknown where they say neither.
+/// What most names of the file say: right, left; unknown where they say neither. A mirrored
+/// hand has the links of the other one; its own name may be that of either.
 Chirality sideByNames(const HandModel& model) {
   int right = 0;
   const auto count = [&](const std::string& name) {
     const std::string side = partWordsOf(name).side;
     right += side == "right" ? 1 : side == "left" ? -1 : 0;
   };
-  count(model.name());
+  if (!model.isMirror()) count(model.name());
   for (const Link& link : model.links())
     count(link.name);
+  if (model.isMirror()) right = -right;
   if (right == 0) return Chirality::kUnknown;
   return right > 0 ? Chirality::kRight : Chirality::kLeft;
 }
@@ -391,6 +393,10 @@ Anatomy anatomyOf(const HandModel& model,
                                     nameOf(told), nameOf(anatomy.chirality));
   }
   if (anatomy.chirality == Chirality::kUnknown) anatomy.chirality = told;
+  // A claw that nobody gives a side is read as a right one: its mirror's places are the
+  // mirror's.
+  if (anatomy.chirality == Chirality::kUnknown && model.isMirror())
+    anatomy.chirality = Chirality::kLeft;
   return anatomy;
 }
 

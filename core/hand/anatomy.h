@@ -63,7 +63,7 @@ struct Anatomy {
   Chirality chirality = Chirality::kUnknown;
   Chirality named_side = Chirality::kUnknown;  ///< what most names of the file say
   std::vector<std::string> notes;              ///< what names do not say or contradict
-  /// Where names say the other side than the palm does; a mirrored hand's do.
+  /// Where names say the other side than the palm does.
   std::string side_note;
 
   [[nodiscard]] const NamedDigit* maybeDigit(const std::string& name) const;

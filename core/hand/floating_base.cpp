@@ -91,7 +91,8 @@ RootedHand cutFloatingBase(const HandModel& model, const std::set<std::string>& 
         return crosses(joint, false);
       });
   if (is_coupled) return {model, std::nullopt};
-  return {HandModel(model.name(), std::move(hand_links), std::move(hand_joints)),
+  return {HandModel(model.name(), std::move(hand_links), std::move(hand_joints))
+              .asMirror(model.isMirror()),
           HandModel(model.name(), std::move(carrier_links), std::move(carrier_joints))};
 }
 

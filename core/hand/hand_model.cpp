@@ -318,6 +318,12 @@ Eigen::VectorXd HandModel::zeroPose() const {
   return Eigen::VectorXd::Zero(dofCount()).cwiseMax(lower_).cwiseMin(upper_);
 }
 
+HandModel HandModel::asMirror(bool is_mirror) const {
+  HandModel other = *this;
+  other.is_mirror_ = is_mirror;
+  return other;
+}
+
 HandModel HandModel::withRestPose(const Eigen::VectorXd& q) const {
   if (q.size() != dofCount())
     rejectInput("hand {}: a rest pose of {} values; it has {} joints", quoted(name_), q.size(),

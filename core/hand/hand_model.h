@@ -121,6 +121,11 @@ class HandModel {
   /// naming the joint, unless `q` has an entry per dof, finite and within the limits.
   [[nodiscard]] HandModel withRestPose(const Eigen::VectorXd& q) const;
 
+  /// Whether its links have the names of the other hand, which it is the mirror of.
+  [[nodiscard]] bool isMirror() const { return is_mirror_; }
+
+  [[nodiscard]] HandModel asMirror(bool is_mirror) const;
+
  private:
   std::string name_;
   std::vector<Link> links_;
@@ -130,6 +135,7 @@ class HandModel {
   Eigen::VectorXd lower_;
   Eigen::VectorXd upper_;
   Eigen::VectorXd rest_;
+  bool is_mirror_ = false;
 };
 
 }  // namespace handgraft::hand

@@ -31,7 +31,8 @@ HandModel mirrored(const HandModel& model, std::string name) {
     joint.axis_J = S * joint.axis_J * (joint.type == JointType::kRevolute ? -1.0 : 1.0);
   }
   return HandModel(std::move(name), std::move(links), std::move(joints))
-      .withRestPose(model.restPose());
+      .withRestPose(model.restPose())
+      .asMirror(!model.isMirror());
 }
 
 }  // namespace handgraft::hand

@@ -338,7 +338,8 @@ HandVariant makeVariant(const HandModel& model,
                        stretched(link.collisions, draft.stretch_L[i])});
     }
   }
-  HandVariant variant{HandModel(name, std::move(links), jointsWithLimits(model, draft)),
+  HandVariant variant{HandModel(name, std::move(links), jointsWithLimits(model, draft))
+                          .asMirror(model.isMirror()),
                       std::move(draft.stretch_L), std::move(draft.joint_scale),
                       draft.shape_changed};
   variant.model = variant.model.withRestPose(poseOfVariant(variant, model.restPose()));

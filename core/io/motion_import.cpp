@@ -284,7 +284,12 @@ Motion sequenceFrom(const json& root,
   const json& frames = memberOf(root, "frames");
   if (!frames.is_array() || frames.empty()) rejectInput("field 'frames' is no list of frames");
   Motion motion = motionWithoutContacts(root, frames);
-  if (!object_path.empty()) moveAlong(object_path, motion);
+  if (!object_path.empty()) {
+    moveAlong(object_path, motion);
+  } else {
+    motion.notes.emplace_back(
+        "no path of the object was given (--object-path): it stands still throughout");
+  }
 
   const geometry::SurfaceLocator object_O(mesh_O);
   std::map<std::string, LinkTracks> links;

@@ -90,6 +90,12 @@ class ObjReader {
       for (const int v : triangle)
         used[v] = true;
     const auto unused = std::count(used.begin(), used.end(), false);
+    if (mesh_.triangles.empty() && !used.empty()) {
+      rejectInput(
+          "{}: {} vertices and no face: is the file cut short? Point clouds are read from PLY "
+          "files",
+          file_, used.size());
+    }
     if (unused > 0 && !lines_.endsWithNewline()) {
       rejectInput(
           "{}: ends in the middle: {} of {} vertices have no face; is the file cut short?",

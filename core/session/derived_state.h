@@ -120,7 +120,8 @@ class DerivedState {
   [[nodiscard]] optimize::PoseProblem problem(const SolverSettings& solving) const;
 
   /// Searches; the document and the patches stay as they are. From more starts than by default
-  /// it finds nothing worse than from those.
+  /// it finds nothing worse than from those, and for a document that is solved nothing worse
+  /// than what stands.
   /// Errors: InvalidInput if no patch has a point on the hand, or all are switched off.
   Solution solve(const SolverSettings& solving, const SolveRun& run, const Progress& progress);
 
@@ -159,6 +160,12 @@ class DerivedState {
   /// count as if they were far off. Less is better.
   using Worth = std::pair<std::ptrdiff_t, double>;
 
+  Solution solveAnew(const SolverSettings& solving,
+                     const SolveRun& run,
+                     const Progress& progress);
+  /// The standing pose as what a solve gives, with the minima that it found.
+  [[nodiscard]] Solution keptInsteadOf(Solution found, Solution standing) const;
+  Solution judgeBy(const SolverSettings& solving, const Progress& progress);
   Solution solveOnce(const SolverSettings& solving,
                      const SolveRun& run,
                      const Progress& progress);

@@ -237,6 +237,34 @@ Solution DerivedState::solve(const SolverSettings& solving,
     known.document.solving = document_.solving;
     return known;
   }
+  // Who asks once more gets no less than what stands.
+  if (document_.is_solved && !solving.paper && !run.places_stay) {
+    Solution standing = judgeBy(solving, progress);
+    Solution found = solveAnew(solving, run, progress);
+    return session::worthOf(found) < session::worthOf(standing)
+               ? std::move(found)
+               : keptInsteadOf(std::move(found), std::move(standing));
+  }
+  return solveAnew(solving, run, progress);
+}
+
+Solution DerivedState::keptInsteadOf(Solution found, Solution standing) const {
+  SolveReport& report = standing.report;
+  std::vector<Minimum> minima = std::move(found.report.minima);
+  minima.push_back(report.minima.front());
+  minima.back().solver = found.report.solver;
+  optimize::rankMinima(*models_.hand->model, {}, "", minima);
+  report.minima = std::move(minima);
+  report.solver = found.report.solver;
+  report.starts = found.report.starts;
+  report.best_start = found.report.best_start;
+  report.evaluations = found.report.evaluations;
+  return standing;
+}
+
+Solution DerivedState::solveAnew(const SolverSettings& solving,
+                                 const SolveRun& run,
+                                 const Progress& progress) {
   if (solving.paper || run.places_stay || solving.starts <= optimize::kDefaultStarts)
     return solveOnce(solving, run, progress);
   // Other starts lead to other slides of roots, and those may end worse: who asks for more gets
@@ -399,13 +427,16 @@ Solution DerivedState::answered(SolveReport report, const SolverSettings& solvin
 }
 
 Solution DerivedState::judge(const Progress& progress) {
+  return judgeBy(document_.solving, progress);
+}
+
+Solution DerivedState::judgeBy(const SolverSettings& solving, const Progress& progress) {
   transfer(progress);
   requirePoints();
-  if (document_.solving.avoids())
-    placement::makeSolids(*models_.hand, models_.object_O, progress);
+  if (solving.avoids()) placement::makeSolids(*models_.hand, models_.object_O, progress);
   Solution solution;
-  solution.solving = document_.solving;
-  solution.problem = problem(document_.solving);
+  solution.solving = solving;
+  solution.problem = problem(solving);
   solution.document = document_;
   solution.patches = patches_;
   SolveReport& report = solution.report;

@@ -187,13 +187,9 @@ void matchByGeometry(const Models& models,
 
 }  // namespace
 
-std::optional<OtherSide> otherSideOf(const Models& models) {
-  const hand::Chirality touched = contact::touchingSide(*models.contacts, *models.object_O);
-  const hand::Chirality own = sideOf(hand::coordinatesOf(*models.hand)->anatomy());
-  const bool both_known =
-      touched != hand::Chirality::kUnknown && own != hand::Chirality::kUnknown;
-  if (!both_known || touched == own) return std::nullopt;
-  return OtherSide{touched, own};
+Sides sidesOf(const Models& models) {
+  return {contact::touchingSide(*models.contacts, *models.object_O),
+          sideOf(hand::coordinatesOf(*models.hand)->anatomy())};
 }
 
 std::shared_ptr<const Solution> matchPatches(const Models& models,
@@ -205,8 +201,8 @@ std::shared_ptr<const Solution> matchPatches(const Models& models,
     may_go.push_back(patch.placement ? 0 : 1);
   }
   const auto coordinates = hand::coordinatesOf(*models.hand);
-  if (const auto other = otherSideOf(models))
-    document.notes.push_back(otherSideNote(nameOf(other->touched), nameOf(other->own)));
+  if (const Sides sides = sidesOf(models); sides.differ())
+    document.notes.push_back(otherSideNote(nameOf(sides.touched), nameOf(sides.own)));
   const PlacesOfPatches places = placesIn(models, *coordinates, document);
   // Which finger takes whose patches depends on what else is to be reached.
   matchByName(*models.hand, places, document);

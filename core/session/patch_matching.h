@@ -31,13 +31,23 @@ FirstDocument firstDocument(ModelCache& cache,
                             const transfer::TransferOptions& transfer,
                             const Progress& progress);
 
-struct OtherSide {
-  hand::Chirality touched;
-  hand::Chirality own;
+/// The side of the hand that touched, and of this one.
+struct Sides {
+  hand::Chirality touched = hand::Chirality::kUnknown;
+  hand::Chirality own = hand::Chirality::kUnknown;
+
+  [[nodiscard]] bool differ() const {
+    constexpr auto kUnknown = hand::Chirality::kUnknown;
+    return touched != kUnknown && own != kUnknown && touched != own;
+  }
+
+  /// This hand has a side, and nobody said which one touched.
+  [[nodiscard]] bool isHalfKnown() const {
+    return touched == hand::Chirality::kUnknown && own != hand::Chirality::kUnknown;
+  }
 };
 
-/// The side of the hand that touched and of this one, where they are known and differ.
-std::optional<OtherSide> otherSideOf(const Models& models);
+Sides sidesOf(const Models& models);
 
 /// Lays the patches that have no place onto the hand's sites: by name, then by geometry where a
 /// patch or a site has no finger's name. What keeps the hand off others goes again

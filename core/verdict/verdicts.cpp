@@ -23,6 +23,7 @@ using optimize::PatchDiagnosis;
 using optimize::Verdict;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr int kManyPatches = 3;      // fewer are had by a hand of either side
 constexpr double kHardlyAny = 0.05;  // mm; what is printed as 0.0
 
 const std::string& nameOfPatch(const session::Session& session, int patch) {
@@ -294,10 +295,16 @@ Verdicts verdictsOf(const session::Session& session,
   if (verdicts.one_sided)
     verdicts.line += "; what is reached presses to one side: nothing holds the object there";
   // A note says so in any case; where hardly anything fits it is the first that one must know.
-  if (2 * reached < asked) {
-    if (const auto other = session::otherSideOf(session.models())) {
+  if (2 * reached <= asked) {
+    const session::Sides sides = session::sidesOf(session.models());
+    if (sides.differ()) {
       verdicts.line += fmt::format("; a {} hand touched, and this is a {} one",
-                                   nameOf(other->touched), nameOf(other->own));
+                                   nameOf(sides.touched), nameOf(sides.own));
+    } else if (sides.isHalfKnown() && asked >= kManyPatches) {
+      verdicts.line += fmt::format(
+          "; which hand touched is not known: if it was a {} one, this one's mirror may reach "
+          "more",
+          sides.own == hand::Chirality::kLeft ? "right" : "left");
     }
   }
   verdicts.line += remarks;

@@ -272,6 +272,7 @@ void put(ByteWriter& out, const hand::HandModel& model) {
   for (const hand::Joint& joint : model.joints())
     put(out, joint);
   put(out, model.restPose());
+  out.number(static_cast<std::uint8_t>(model.isMirror()));
 }
 
 hand::HandModel takeHandModel(ByteReader& in) {
@@ -292,7 +293,8 @@ hand::HandModel takeHandModel(ByteReader& in) {
   requireAll(model.dofCount() <= kMostJoints, "too many joints");
   const Eigen::VectorXd rest = takeVector(in, kMostJoints);
   const bool is_zero = rest.size() == model.dofCount() && rest == model.restPose();
-  return is_zero ? model : model.withRestPose(rest);
+  if (!is_zero) model = model.withRestPose(rest);
+  return model.asMirror(in.flag());
 }
 
 void put(ByteWriter& out, const std::vector<hand::ContactSite>& sites) {

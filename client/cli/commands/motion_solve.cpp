@@ -105,6 +105,7 @@ int run(const MotionSolveOptions& options,
   result.kept = options.keep && !server.isPrivate();
   requireConsistent(result);
 
+  const Clock::time_point answered = Clock::now();
   OutputFiles outputs;
   for (const MotionFile& file : options.out) {
     outputs.write([&] {
@@ -117,6 +118,9 @@ int run(const MotionSolveOptions& options,
   outputs.write([&] {
     if (!options.png.empty()) writeMotionPicture(server, options.png, result);
   });
+  if (!options.out.empty() || !options.frames.empty() || !options.png.empty())
+    result.files_ms =
+        std::chrono::duration<double, std::milli>(Clock::now() - answered).count();
   progress.clear();
   fmt::print("{}",
              common.json ? json::written(json::motion(result)) + "\n" : text::motion(result));

@@ -166,6 +166,8 @@ render::Image heatMap(const SweepResult& result) {
     for (std::size_t i = 0; i < columns; ++i)
       row.push_back(points[j * columns + i].mean_mm);
   }
+  const std::size_t best = bestOf(points);
+  if (points[best].solved > 0) map.framed = {best % columns, best / columns};
   return render::drawHeatMap(map);
 }
 

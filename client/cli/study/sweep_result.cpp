@@ -91,13 +91,20 @@ double percentReached(const v1::SweepRow& row) {
 std::vector<SweepPoint> pointsOf(const SweepResult& result) {
   std::vector<SweepPoint> points;
   const std::vector<v1::SweepRow>& rows = result.reply.rows();
+  // What one hand drops, another one may have: at each point all of them are asked for.
+  std::vector<double> asked(result.grasps.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    double& most = asked[i % result.grasps.size()];
+    if (rows[i].error().empty())
+      most = std::max(most, patchesOf(result.grasps[rows[i].grasp()], rows[i]));
+  }
   for (std::size_t first = 0; first < rows.size(); first += result.grasps.size()) {
     SweepPoint point;
     point.values = rows[first].values();
     for (std::size_t i = first; i < first + result.grasps.size(); ++i) {
       if (!rows[i].error().empty()) continue;
       const StudyGrasp& grasp = result.grasps[rows[i].grasp()];
-      point.patches += static_cast<int>(patchesOf(grasp, rows[i]));
+      point.patches += static_cast<int>(asked[i - first]);
       point.reached += reachedBy(grasp, rows[i]);
       if (!grasp.patch.empty()) continue;
       ++point.solved;

@@ -134,7 +134,7 @@ std::string sweep(const SweepResult& result) {
   std::vector<std::vector<std::string>> rows(1);
   for (std::size_t a = 0; a < result.axes.size(); ++a)
     rows[0].push_back(plain(axisLabel(result, a)));
-  rows[0].insert(rows[0].end(), {"mean mm", "worst mm", "inside mm", "in itself mm",
+  rows[0].insert(rows[0].end(), {"mean mm", "worst grasp mm", "inside mm", "in itself mm",
                                  "patches reached", "grasps"});
   for (const std::size_t i : order) {
     const SweepPoint& point = points[i];

@@ -81,7 +81,6 @@ void drawBar(
 struct Range {
   double low = 0.0;
   double high = 1.0;
-  double least = 0.0;  ///< the value that is framed; infinite: none
 };
 
 Range rangeOf(const HeatMap& map) {
@@ -94,10 +93,23 @@ Range rangeOf(const HeatMap& map) {
       high = std::max(high, value);
     }
   }
-  if (low < high) return {low, high, low};
+  if (low < high) return {low, high};
   // One value, or none.
   const double below = std::isfinite(low) ? low - 0.5 : 0.0;
-  return {below, below + 1.0, low};
+  return {below, below + 1.0};
+}
+
+std::optional<std::pair<std::size_t, std::size_t>> framedIn(const HeatMap& map) {
+  if (map.framed) return map.framed;
+  std::optional<std::pair<std::size_t, std::size_t>> at;
+  for (std::size_t j = 0; j < map.values.size(); ++j) {
+    for (std::size_t i = 0; i < map.values[j].size(); ++i) {
+      const double value = map.values[j][i];
+      if (std::isfinite(value) && (!at || value < map.values[at->second][at->first]))
+        at = {i, j};
+    }
+  }
+  return at;
 }
 
 /// Where the cells are; rows rise.
@@ -131,8 +143,11 @@ void drawCells(Image& image, const CellGrid& grid, const HeatMap& map, const Ran
       if (has_room)
         drawCentred(image, cell.left + cell.width / 2, cell.top + (cell.height - text) / 2 + 2,
                     inkOn(color), fmt::format("{:.2f}", value));
-      if (value == range.least) frame(image, cell, 4, {255, 255, 255});
     }
+  }
+  if (const auto framed = framedIn(map)) {
+    frame(image, grid.cellAt(static_cast<int>(framed->first), static_cast<int>(framed->second)),
+          4, {255, 255, 255});
   }
 }
 

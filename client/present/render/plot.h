@@ -59,9 +59,11 @@ struct HeatMap {
   std::vector<double> x;
   std::vector<double> y;
   std::vector<std::vector<double>> values;
+  /// Column and row of the cell that is framed; nothing: that of the least value.
+  std::optional<std::pair<std::size_t, std::size_t>> framed = std::nullopt;
 };
 
-/// Draws a cell a value, y rising, the least value framed, with a bar of colours beside.
+/// Draws a cell a value, y rising, one of them framed, with a bar of colours beside.
 /// Errors: InvalidInput for no values, rows of another length, and a side below 300 pixels.
 Image drawHeatMap(const HeatMap& map, PictureSize size = {});
 

@@ -110,17 +110,39 @@ void drawFlushRight(Image& image, int x, int y, Color color, const std::string& 
   drawText(image, x - textWidth(text, kPlotTextScale), y, kPlotTextScale, color, text);
 }
 
-int drawHeading(Image& image, const std::string& title, const std::string& subtitle) {
-  int y = kPad;
-  if (!title.empty()) {
-    drawText(image, kPad, y, kPlotTitleScale, kPlotInk, title);
-    y += textHeight(kPlotTitleScale) + 10;
+namespace {
+
+/// In as many lines as it takes; where the next one goes.
+int drawLines(Image& image, int y, int scale, Color color, const std::string& text) {
+  const int room = image.width() - 2 * kPad;
+  std::string line;
+  const auto finish = [&] {
+    if (line.empty()) return;
+    drawText(image, kPad, y, scale, color, line);
+    y += textHeight(scale) + 10;
+    line.clear();
+  };
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string word = text.substr(at, end - at);
+    const std::string longer = line.empty() ? word : line + " " + word;
+    if (textWidth(longer, scale) > room) {
+      finish();
+      line = word;
+    } else {
+      line = longer;
+    }
+    at = end + 1;
   }
-  if (!subtitle.empty()) {
-    drawText(image, kPad, y, kPlotTextScale, kPlotFaint, subtitle);
-    y += textHeight(kPlotTextScale) + 10;
-  }
+  finish();
   return y;
+}
+
+}  // namespace
+
+int drawHeading(Image& image, const std::string& title, const std::string& subtitle) {
+  const int y = drawLines(image, kPad, kPlotTitleScale, kPlotInk, title);
+  return drawLines(image, y, kPlotTextScale, kPlotFaint, subtitle);
 }
 
 }  // namespace handgraft::client::render

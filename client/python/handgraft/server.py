@@ -277,17 +277,19 @@ class Server:
     def open(self, hand: str | os.PathLike[str], object: str | os.PathLike[str] = "",
              contacts: str | os.PathLike[str] = "", *, motion: str | os.PathLike[str] = "",
              X_WO: np.ndarray | None = None, weights: Sequence[float] | None = None, units: str = "",
-             **reading: Any) -> Session:
+             mirrored: bool = False, **reading: Any) -> Session:
         """A live session. Each model is a name on the server, or the path of a file to send.
 
         Of ``contacts`` on an object, or of a ``motion``, whose own object is taken if none is named. ``weights``:
         of distance (1/m^2), normals and prior. ``X_WO``: the object's pose, 4x4. ``units`` are those of the
-        object's and the contacts' files: m, cm, mm or in; metres by default. ``reading``: how a contact map that is
+        object's and the contacts' files: m, cm, mm or in; metres by default. ``mirrored``: the other hand of the
+        URDF that is sent, a left one of a right one. ``reading``: how a contact map that is
         sent is read, as `load_contacts` has it (``picture``, ``colors``, ``threshold``, ...).
         """
         if bool(contacts) == bool(motion):
-            raise InvalidInput("a session is of contacts or of a motion: one of them has to be given, not both")
-        request: dict[str, Any] = self._send(hand, object, contacts, units, **reading)
+            both = "not both" if contacts else "and there is neither"
+            raise InvalidInput(f"a session is of contacts or of a motion: one of them has to be given, {both}")
+        request: dict[str, Any] = self._send(hand, object, contacts, units, mirrored, **reading)
         if motion:
             motion = self.load_motion(motion, request["object"]) if is_path(motion, "motion") else motion
             request["motion"] = motion
@@ -316,14 +318,17 @@ class Server:
 
     def grasp(self, hand: str | os.PathLike[str], object: str | os.PathLike[str],
               contacts: str | os.PathLike[str], *, X_WO: np.ndarray | None = None,
-              weights: Sequence[float] | None = None, units: str = "", **options: Any) -> Pose:
+              weights: Sequence[float] | None = None, units: str = "", mirrored: bool = False,
+              **options: Any) -> Pose:
         """Lays the contacts onto the hand and solves its pose; arguments as for `open` and `Session.solve`."""
         reading = {name: value for name, value in options.items() if is_of_map(name)}
         solving = {name: value for name, value in options.items() if name not in reading}
-        with self.open(hand, object, contacts, X_WO=X_WO, weights=weights, units=units, **reading) as session:
+        with self.open(hand, object, contacts, X_WO=X_WO, weights=weights, units=units, mirrored=mirrored,
+                       **reading) as session:
             return session.solve(**solving)
 
-    def _send(self, hand: Any, object: Any, contacts: Any, units: str, **reading: Any) -> dict[str, str]:
+    def _send(self, hand: Any, object: Any, contacts: Any, units: str, mirrored: bool = False,
+              **reading: Any) -> dict[str, str]:
         """Their names on the server; of what is empty, empty."""
         is_file = {option: model != "" and is_path(model, option)
                    for option, model in (("hand", hand), ("object", object), ("contacts", contacts))}
@@ -332,7 +337,9 @@ class Server:
             raise InvalidInput(f"{name} {value!r}: contacts {contacts!r} have been read already; it is for files")
         if units and not (is_file["object"] or is_file["contacts"]):
             raise InvalidInput(f"units {units!r}: neither object nor contacts is a file")
-        hand = self.load_hand(hand) if is_file["hand"] else hand
+        if mirrored and not is_file["hand"]:
+            raise InvalidInput(f"mirrored: hand {hand!r} has been read already; it is for files")
+        hand = self.load_hand(hand, mirrored=mirrored) if is_file["hand"] else hand
         object = self.load_object(object, units=units) if is_file["object"] else object
         contacts = self.load_contacts(contacts, object, units=units, **reading) if is_file["contacts"] else contacts
         return {"hand": hand, "object": object, "contacts": contacts}

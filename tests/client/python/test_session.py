@@ -105,6 +105,17 @@ def test_a_grasp_is_numpy_arrays(server):
     assert pose.depth.max_m == max(pose.depth.links.values(), default=0.0)
 
 
+def test_a_hand_that_is_sent_may_be_mirrored(server):
+    urdf = MODELS / "hands" / "human20" / "human20.urdf"
+    with server.open(urdf, "lemon", "lemon_6", mirrored=True) as session:
+        assert session.solve().patches
+    left = server.grasp(urdf, "lemon", "lemon_6", mirrored=True)
+    right = server.grasp(urdf, "lemon", "lemon_6")
+    assert left.objective > right.objective, "a right hand's contacts on a left one"
+    with pytest.raises(handgraft.InvalidInput, match="has been read already"):
+        server.grasp("human20", "lemon", "lemon_6", mirrored=True)
+
+
 def test_files_are_sent(server, tmp_path):
     name = server.load_object(MODELS / "objects" / "lemon.obj", "my_lemon")
     assert name == "my_lemon"

@@ -69,6 +69,8 @@ TEST(Mirror, TwiceIsTheSameHand) {
     EXPECT_TRUE(again.joints()[i].X_PJ.isApprox(right.joints()[i].X_PJ, 1e-15));
     EXPECT_EQ(again.joints()[i].axis_J, right.joints()[i].axis_J);
   }
+  EXPECT_TRUE(mirrored(right, "left").isMirror());
+  EXPECT_FALSE(again.isMirror()) << "its names are its own";
   EXPECT_EQ(again.links()[0].visuals[0].mesh_L.vertices(),
             right.links()[0].visuals[0].mesh_L.vertices());
 }

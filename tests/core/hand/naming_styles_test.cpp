@@ -192,7 +192,7 @@ TEST(NamingStyles, ANamedThumbLeavesTheFingersToTheShape) {
   EXPECT_THAT(anatomy.notes, ElementsAre(HasSubstr("index, middle, ring, little")));
 }
 
-TEST(NamingStyles, AMirroredHandIsALeftOneAndContradictsItsNames) {
+TEST(NamingStyles, NamesOfTheOtherSideAreTold) {
   const Style style = [](int digit, int segment, bool is_joint) {
     return digit < 0 ? std::string("right_palm")
                      : fmt::format("right_{}_{}{}", kDigits[static_cast<std::size_t>(digit)],
@@ -200,13 +200,29 @@ TEST(NamingStyles, AMirroredHandIsALeftOneAndContradictsItsNames) {
   };
   const HandModel model = madeUpHand(style);
   EXPECT_THAT(anatomyOfHand(model).notes, IsEmpty());
-  const HandModel left = mirrored(model, "hand");
+  const HandModel left = mirrored(model, "hand").asMirror(false);  // as if it were made so
   const Anatomy anatomy = anatomyOfHand(left);
   expectDigits(style, kAsTheyAre, anatomy, left);
   EXPECT_EQ(anatomy.chirality, Chirality::kLeft);
   EXPECT_THAT(anatomy.side_note, HasSubstr("its names say a right hand"));
   EXPECT_EQ(anatomy.named_side, Chirality::kRight);
   EXPECT_THAT(anatomy.notes, IsEmpty());
+}
+
+// Of a claw the names alone tell the side.
+TEST(NamingStyles, AMirroredHandHasTheNamesOfTheOtherOne) {
+  const HandModel model = madeUpHand([](int digit, int segment, bool is_joint) {
+    return digit < 0 ? std::string("right_palm")
+                     : fmt::format("right_{}_{}{}", kDigits[static_cast<std::size_t>(digit)],
+                                   is_joint ? "j" : "l", segment);
+  });
+  for (const char* name : {"hand", "my_left_one", "right_mirrored"}) {
+    const Anatomy anatomy = anatomyOfHand(mirrored(model, name));
+    EXPECT_EQ(anatomy.chirality, Chirality::kLeft) << name;
+    EXPECT_EQ(anatomy.named_side, Chirality::kLeft) << name;
+    EXPECT_EQ(anatomy.side_note, "") << name;
+  }
+  EXPECT_EQ(anatomyOfHand(mirrored(mirrored(model, "a"), "b")).named_side, Chirality::kRight);
 }
 
 TEST(NamingStyles, SegmentsCloseToWherePalmsFace) {

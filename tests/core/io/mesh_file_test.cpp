@@ -286,6 +286,8 @@ TEST(MeshFile, RefusesAnObjCutShortAmongItsFaces) {
   EXPECT_THAT(faultOf(write("cut.obj", corners + "f 1 2 3\nf 1 2 ")), HasSubstr("truncated"));
   EXPECT_THAT(faultOf(write("cut.obj", corners + "f 1 2 3\nf 3 2 1")),
               AllOf(HasSubstr("cut.obj"), HasSubstr("1 of 4 vertices have no face")));
+  EXPECT_THAT(faultOf(write("points.obj", corners)),
+              HasSubstr(": 4 vertices and no face: is the file cut short? Point clouds"));
   EXPECT_THAT(readMesh(write("cut.obj", corners + "f 1 2 3\n")).notes,
               Contains("1 of 4 vertices have no face; is the file cut short?"));
   // Whole, but its last line is left open.

@@ -15,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 
 fs::path write(const std::string& name, const std::string& text) {
@@ -57,7 +58,8 @@ TEST(MotionImport, NotesThatTheObjectsPathLastsAnotherTime) {
               ElementsAre("the object's path 'other.smexp' lasts 1.978 s and the recording "
                           "1.500 s: the path is followed in the recording's time; is it of "
                           "another recording?"));
-  EXPECT_THAT(readContactSequence(recorded, box, "").notes, IsEmpty());
+  EXPECT_THAT(readContactSequence(recorded, box, "").notes,
+              ElementsAre(HasSubstr("no path of the object was given (--object-path)")));
 }
 
 }  // namespace

@@ -66,6 +66,34 @@ TEST(BuiltInGrasp, MoreStartsFindNothingWorse) {
   EXPECT_GT(more.report.evaluations, usual.report.evaluations);
 }
 
+// Where patches are hard to have together a search from the pose found before may end
+// elsewhere.
+TEST(BuiltInGrasp, WhoAsksOnceMoreGetsNothingWorse) {
+  const io::MeshFile file = io::readMesh(libraryPath("objects/lemon.obj"));
+  const auto lemon = std::make_shared<const geometry::TriangleMesh>(file.mesh);
+  const contact::ContactSet contacts =
+      io::readContactSet(libraryPath("contacts/lemon_6.json"), file);
+  for (const char* name : {"barrett8", "allegro16"}) {
+    const hand::Hand hand = handOfLibrary(name);
+    Session session(hand, lemon, contacts, Pose::Identity(), {});
+    session.optimize({}, Progress());
+    for (const unsigned seed : {1U, 2U, 3U}) {
+      const Document stood = session.document();
+      const Solution standing = session.standing(Progress());
+      SolverSettings solving = stood.solving;
+      solving.seed = seed;
+      Solution again = session.solve(solving, SolveRun(), Progress());
+      EXPECT_LE(worthOf(again), worthOf(standing)) << name << " seed " << seed;
+      EXPECT_GT(again.report.evaluations, 0) << "it did search";
+      const bool is_kept = worthOf(again) == worthOf(standing);
+      session.commit(std::move(again));
+      if (is_kept) {
+        EXPECT_EQ(session.document().start.q, stood.start.q) << name;
+      }
+    }
+  }
+}
+
 // A hand that ends deep in itself and in the object begins again opened: all joints went half
 // of the way to rest, what is locked with them.
 TEST(BuiltInGrasp, WhatIsLockedStaysWhereverASearchBegins) {

@@ -70,6 +70,17 @@ TEST(Verdicts, SayThatTheOtherHandTouchedWhereHardlyAnythingFits) {
   session::Session right(test::handOfLibrary("human20"), box, contacts, Pose::Identity(), {});
   shut(right);
   EXPECT_THAT(solvedAndJudged(right).line, Not(HasSubstr("hand touched")));
+  // Of patches without fingers' names nothing tells the side.
+  contacts.side = hand::Chirality::kUnknown;
+  for (std::size_t i = 0; i < contacts.patches.size(); ++i) {
+    contacts.patches[i].name = fmt::format("c{}", i);
+    contacts.patches[i].place.reset();
+  }
+  session::Session untold(test::handOfLibrary("human20"), box, contacts, Pose::Identity(), {});
+  const auto asks = HasSubstr("which hand touched is not known: if it was a left one");
+  EXPECT_THAT(solvedAndJudged(untold).line, Not(asks)) << "all is reached";
+  shut(untold);
+  EXPECT_THAT(solvedAndJudged(untold).line, asks);
 }
 
 TEST(Verdicts, NameTheLimitsThatKeepAFingerOpen) {

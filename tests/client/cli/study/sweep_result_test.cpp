@@ -98,6 +98,15 @@ TEST(SweepResult, ReachingAPatchMoreIsBetterThanLyingNearer) {
   EXPECT_THAT(text::sweep(result), HasSubstr("best: thumb.upper = 0.3 rad, mean 2.50 mm"));
 }
 
+TEST(SweepResult, WhatAHandDropsIsAskedOfItAllTheSame) {
+  const SweepResult result = resultOf({{0.1, 1.0, 1.0, 2, 2}, {0.2, 1.2, 1.2, 3, 3}});
+  const std::vector<SweepPoint> points = pointsOf(result);
+  EXPECT_EQ(points[0].reached, 4);
+  EXPECT_EQ(points[0].patches, 6) << "as where none is dropped";
+  EXPECT_EQ(bestOf(points), 1u);
+  EXPECT_THAT(text::sweep(result), HasSubstr("4 of 6"));
+}
+
 TEST(SweepResult, FindsWhereTheFirstPatchIsLost) {
   // Not in the order of the values, which are 0.1 to 0.5.
   const SweepResult result = resultOf({{0.5, 3, 3, 3, 3},

@@ -152,6 +152,21 @@ TEST(HeatMap, IsDarkWhereLittleIs) {
   EXPECT_EQ(drawHeatMap(map, {900, 600}).at(150, 480), (Color{255, 255, 255})) << "empty";
 }
 
+TEST(HeatMap, FramesTheLeastOrWhatItIsTold) {
+  HeatMap map{"title", "", "x", "y", "value", {0, 1}, {0, 1}, {{0, 1}, {2, 3}}};
+  const auto whites = [&map](int left, int top) {
+    const Image image = drawHeatMap(map, {900, 600});
+    int count = 0;
+    for (int y = top; y < top + 200; ++y)
+      for (int x = left; x < left + 200; ++x)
+        if (image.at(x, y) == Color{255, 255, 255}) ++count;
+    return count;
+  };
+  const int of_least = whites(140, 320);  // bottom left
+  map.framed = {1, 1};
+  EXPECT_LT(whites(140, 320), of_least) << "another cell is framed";
+}
+
 TEST(HeatMap, RefusesRowsOfAnotherLength) {
   EXPECT_THROW(drawHeatMap({"t", "", "x", "y", "v", {0, 1}, {0}, {{0}}}), InvalidInput);
   EXPECT_THROW(drawHeatMap({"t", "", "x", "y", "v", {}, {}, {}}), InvalidInput);
