@@ -76,6 +76,30 @@ std::string lossText(const SweepResult& result,
   return out.empty() ? "no patch is lost on either side\n" : out;
 }
 
+/// Of a limit that is varied, values that permit more than the best and come to less: each
+/// row is searched for by itself.
+std::string widerText(const SweepResult& result,
+                      const std::vector<SweepPoint>& points,
+                      std::size_t best) {
+  const v1::HandProperty property = result.axes[0].axis.property();
+  if (property != v1::PROPERTY_UPPER && property != v1::PROPERTY_LOWER) return "";
+  std::string out;
+  for (const SweepPoint& point : points) {
+    const double wider = property == v1::PROPERTY_UPPER
+                             ? point.values[0] - points[best].values[0]
+                             : points[best].values[0] - point.values[0];
+    if (!(wider > 0.0) || point.solved == 0 || point.reached >= points[best].reached) continue;
+    const std::string unit = result.units[0].empty() ? "" : " " + result.units[0];
+    out += fmt::format(
+        "{}{} permits all that {}{} does, and its search came to less: what is reached there "
+        "is "
+        "in reach here\n",
+        valueText(result, 0, point.values[0]), unit,
+        valueText(result, 0, points[best].values[0]), unit);
+  }
+  return out;
+}
+
 /// Of each combination shown in how much of a motion's frames each of its patches is reached,
 /// and all that are there. `motion` is followed by its patches.
 std::string motionText(const SweepResult& result,
@@ -161,7 +185,8 @@ std::string sweep(const SweepResult& result) {
     out += fmt::format("\nbest: {}, mean {} mm\n", placeText(result, points[best]),
                        millimetresText(points[best].mean_mm));
     out += tiesText(result, points, asGoodAs(best, points));
-    if (result.axes.size() == 1 && points.size() > 1) out += lossText(result, points, best);
+    if (result.axes.size() == 1 && points.size() > 1)
+      out += lossText(result, points, best) + widerText(result, points, best);
   }
   std::string last;
   for (const v1::SweepRow& row : result.reply.rows()) {

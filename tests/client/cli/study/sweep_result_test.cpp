@@ -99,12 +99,30 @@ TEST(SweepResult, ReachingAPatchMoreIsBetterThanLyingNearer) {
 }
 
 TEST(SweepResult, WhatAHandDropsIsAskedOfItAllTheSame) {
-  const SweepResult result = resultOf({{0.1, 1.0, 1.0, 2, 2}, {0.2, 1.2, 1.2, 3, 3}});
+  SweepResult result = resultOf({{0.1, 1.0, 1.0, 2, 2}, {0.2, 1.2, 1.2, 3, 3}});
+  for (const std::size_t row : {0U, 1U})
+    result.reply.rows()[row].patch_count(2);
   const std::vector<SweepPoint> points = pointsOf(result);
   EXPECT_EQ(points[0].reached, 4);
   EXPECT_EQ(points[0].patches, 6) << "as where none is dropped";
   EXPECT_EQ(bestOf(points), 1u);
   EXPECT_THAT(text::sweep(result), HasSubstr("4 of 6"));
+}
+
+// Its poses are all of the wider limit's, too: what is told is how the searches went.
+TEST(SweepResult, TellsWhereAWiderLimitComesToLess) {
+  const std::vector<Answer> answers = {
+      {0.1, 1.0, 1.0, 2, 2}, {0.2, 1.0, 1.0, 3, 3}, {0.3, 1.1, 1.1, 3, 2}};
+  SweepResult result = resultOf(answers);
+  const auto told =
+      HasSubstr("0.3 rad permits all that 0.2 rad does, and its search came to less");
+  result.axes[0].axis.property(v1::PROPERTY_SIZE);
+  EXPECT_THAT(text::sweep(result), testing::Not(told)) << "of a size nothing follows";
+  result.axes[0].axis.property(v1::PROPERTY_UPPER);
+  EXPECT_THAT(text::sweep(result), told);
+  result.axes[0].axis.property(v1::PROPERTY_LOWER);
+  EXPECT_THAT(text::sweep(result),
+              HasSubstr("0.1 rad permits all that 0.2 rad does, and its search came to less"));
 }
 
 TEST(SweepResult, FindsWhereTheFirstPatchIsLost) {
