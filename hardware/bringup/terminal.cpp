@@ -86,9 +86,8 @@ bool Terminal::isHeld() {
   if (poll(&input, 1, static_cast<int>(wait.count())) > 0) {
     std::array<char, 64> keys{};
     const ssize_t count = ::read(STDIN_FILENO, keys.data(), keys.size());
-    if (std::find(keys.begin(), keys.begin() + std::max<ssize_t>(count, 0), ' ') !=
-        keys.begin() + std::max<ssize_t>(count, 0))
-      pressed_ = std::chrono::steady_clock::now();
+    const auto* const end = keys.cbegin() + std::max<ssize_t>(count, 0);
+    if (std::find(keys.cbegin(), end, ' ') != end) pressed_ = std::chrono::steady_clock::now();
     if (count == 0) has_ended_ = true;
   }
   return pressed_ && now - *pressed_ < kHeld;

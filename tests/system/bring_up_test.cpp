@@ -16,6 +16,7 @@
 #include "hardware/config/hand_config_file.h"
 
 #include "tests/support/shared_data.h"
+#include "tests/support/terminal.h"
 #include "tests/support/test_domain.h"
 #include "tests/system/bridge_bench.h"
 #include "tests/system/service.h"
@@ -155,6 +156,25 @@ TEST_F(NewcomersHand, ComesFromScanToAFollowedGrasp) {
                                         keyboard.path())});
   EXPECT_EQ(let_go.exit_code, 1) << let_go.out;
   EXPECT_NEAR(jointAngle(1), 0, 5e-3) << "nobody held";
+  {
+    // At a terminal the space bar alone holds, and not what was typed ahead of the question.
+    Terminal person(program("handgraft"),
+                    {"bridge", "jog", jointName(1), "0.2", "--config", config});
+    person.type("   ");
+    ASSERT_TRUE(person.waitFor("hold the space bar")) << person.text();
+    for (int i = 0; i < 10; ++i) {
+      person.type("xy\r");
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    EXPECT_NEAR(jointAngle(1), 0, 5e-3) << "no other key turns it";
+    for (int i = 0; i < 400 && std::abs(jointAngle(1)) < 0.19; ++i) {
+      person.type(" ");
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    EXPECT_EQ(person.wait(), 0) << person.text();
+    EXPECT_NEAR(jointAngle(1), 0.2 * secrets[1].direction, 5e-3) << person.text();
+    put(1, 0.0);
+  }
 
   // 4. The walk: each joint to its zero, a turn, its ends; then the watchdog and the stop.
   const std::string report = (folder / "report.txt").string();

@@ -166,6 +166,33 @@ TEST(Homing, ADynamixelItselfLimitsCurrentAndSpeedWhileItRuns) {
   EXPECT_EQ(emulator.get(1, "goal_current"), 350) << "set back";
 }
 
+// Limits that a zero puts beyond the device's own units, as found in the motion's thread.
+TEST(Homing, ZerosThatTheDeviceRefusesAreToldAndTheHandGoesOnWithout) {
+  const config::HandConfig config = test::exampleConfig("printed_tendon_hand");
+  bool was_kept = false;
+  HandInMotion hand(config, [&was_kept](const config::HandConfig* homed) {
+    was_kept = homed != nullptr;
+  });
+  handgraft::test::slackenLines(hand.rig(), config);
+  hand.before_making = [&config,
+                        count = config.motors.size()](const config::HandConfig& asked) {
+    if (asked.motors[count - 1].zero_rad != config.motors[count - 1].zero_rad)
+      rejectInput("motor {}: limits are outside", count - 1);
+  };
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+  hand.motion().request(Request::kHome);
+  hand.turn();
+  for (int k = 0; k < 6000 && hand.state().is_homing; ++k)
+    hand.turn();
+  EXPECT_FALSE(hand.state().is_homed);
+  EXPECT_FALSE(was_kept);
+  EXPECT_EQ(hand.state().trouble.view(),
+            "its new zeros are refused: motor 2: limits are outside");
+  hand.turnFor(1);
+  EXPECT_EQ(hand.state().state, GovernorState::kIdle) << "it goes on";
+  EXPECT_FALSE(hand.rig().isPowered());
+}
+
 TEST(Homing, AMotorThatStopsTellingItsCurrentIsNotRunOn) {
   const config::HandConfig config = test::exampleConfig("printed_tendon_hand");
   HandInMotion hand(config);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,7 @@ class HandInMotion {
         motion_(
             config,
             [this](const config::HandConfig& asked) {
+              if (before_making) before_making(asked);
               DeviceStack stack = makeDeviceOn(rig_->wire().channel(), asked, clock_);
               stack.device->stopWhen([this] {
                 return stop_asked_at && clock_() >= *stop_asked_at;
@@ -120,6 +122,7 @@ class HandInMotion {
 
   bool is_streaming = true;
   std::optional<devices::TimePoint> stop_asked_at;  ///< as a signal would, also during a turn
+  std::function<void(const config::HandConfig&)> before_making;  ///< a device; may refuse it
   std::uint64_t stream = 1;
 
  private:
