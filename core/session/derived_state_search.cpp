@@ -248,20 +248,6 @@ Solution DerivedState::solve(const SolverSettings& solving,
   return solveAnew(solving, run, progress);
 }
 
-Solution DerivedState::keptInsteadOf(Solution found, Solution standing) const {
-  SolveReport& report = standing.report;
-  std::vector<Minimum> minima = std::move(found.report.minima);
-  minima.push_back(report.minima.front());
-  minima.back().solver = found.report.solver;
-  optimize::rankMinima(*models_.hand->model, {}, "", minima);
-  report.minima = std::move(minima);
-  report.solver = found.report.solver;
-  report.starts = found.report.starts;
-  report.best_start = found.report.best_start;
-  report.evaluations = found.report.evaluations;
-  return standing;
-}
-
 Solution DerivedState::solveAnew(const SolverSettings& solving,
                                  const SolveRun& run,
                                  const Progress& progress) {
@@ -423,35 +409,6 @@ Solution DerivedState::answered(SolveReport report, const SolverSettings& solvin
   }
   solution.patches = patches_;
   solution.report = std::move(report);
-  return solution;
-}
-
-Solution DerivedState::judge(const Progress& progress) {
-  return judgeBy(document_.solving, progress);
-}
-
-Solution DerivedState::judgeBy(const SolverSettings& solving, const Progress& progress) {
-  transfer(progress);
-  requirePoints();
-  if (solving.avoids()) placement::makeSolids(*models_.hand, models_.object_O, progress);
-  Solution solution;
-  solution.solving = solving;
-  solution.problem = problem(solving);
-  solution.document = document_;
-  solution.patches = patches_;
-  SolveReport& report = solution.report;
-  report.outcome =
-      document_.is_solved ? optimize::Outcome::kConverged : optimize::Outcome::kStalled;
-  report.solver = "standing";
-  report.pose = solution.problem.start;
-  optimize::validate(solution.problem);
-  optimize::judge(solution.problem, report);
-  optimize::Minimum only;
-  only.pose = report.pose;
-  only.terms = report.terms;
-  only.outcome = report.outcome;
-  only.solver = report.solver;
-  report.minima = {only};
   return solution;
 }
 

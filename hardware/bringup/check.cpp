@@ -13,8 +13,9 @@ namespace handgraft::bringup {
 
 namespace {
 
-constexpr double kStep = 0.1;      // rad
-constexpr double kReached = 0.05;  // rad: a hand at its end is not held more exactly
+constexpr double kStep = 0.1;       // rad
+constexpr double kReached = 0.05;   // rad: a hand at its end is not held more exactly
+constexpr double kTravelOff = 0.1;  // share: hands put a jaw to its ends by the eye
 constexpr std::chrono::milliseconds kStopped(500);
 
 /// Somebody left.
@@ -111,18 +112,34 @@ class Walk {
                : fmt::format("joint '{}' (motor '{}')", motor.joint, motor.name);
   }
 
-  /// A motor's angle, and where its joint is then if that slides.
-  [[nodiscard]] std::string placeText(std::size_t i, double motor_rad) const {
+  /// By how much the joint that a motor draws moves for each radian, m; nothing if it turns.
+  [[nodiscard]] std::optional<double> travelOf(std::size_t i) const {
     const std::vector<std::string> joints = config::motorJoints(config_);
     const auto& names = config_.governor.names;
-    if (i < joints.size()) {
-      const auto joint = std::find(names.begin(), names.end(), joints[i]) - names.begin();
-      const safety::JointLimits& limits =
-          config_.governor.limits[static_cast<std::size_t>(joint)];
-      if (limits.slides)
-        return fmt::format("{:.4g} m ({:.3g} rad)", motor_rad * limits.travel, motor_rad);
-    }
-    return fmt::format("{:.3g} rad", motor_rad);
+    if (i >= joints.size()) return std::nullopt;
+    const auto joint = std::find(names.begin(), names.end(), joints[i]) - names.begin();
+    const safety::JointLimits& limits =
+        config_.governor.limits[static_cast<std::size_t>(joint)];
+    return limits.slides ? std::optional(limits.travel) : std::nullopt;
+  }
+
+  /// A motor's angle, and where its joint is then if that slides.
+  [[nodiscard]] std::string placeText(std::size_t i, double motor_rad) const {
+    const std::optional<double> travel = travelOf(i);
+    return travel ? fmt::format("{:.4g} m ({:.3g} rad)", motor_rad * *travel, motor_rad)
+                  : fmt::format("{:.3g} rad", motor_rad);
+  }
+
+  /// Ends that were shown in metres tell what a radian is worth; empty: as the config has it.
+  [[nodiscard]] std::string travelObjection(std::size_t i, double turned_rad) const {
+    const std::optional<double> travel = travelOf(i);
+    const tendon::Range& range_rad = config_.motors[i].range_rad;
+    const double told_rad = range_rad.upper - range_rad.lower;
+    if (!travel || std::abs(turned_rad - told_rad) <= kTravelOff * told_rad) return "";
+    return fmt::format(
+        "between its ends it turned by {:.2f} rad, not {:.2f}: travel_m_rad is "
+        "{:.3g} by that, and {:.3g} in the config",
+        turned_rad, told_rad, *travel * told_rad / turned_rad, *travel);
   }
 
   [[nodiscard]] std::string nameOf(const devices::Fault& fault) const {
@@ -175,6 +192,9 @@ class Walk {
     const double over = motor.range_rad.upper - finding.highest_rad;
     if (angle(one) > angle(other)) {
       finding.objection = "its lower end lies above its upper one: see to its direction";
+    } else if (std::string wrong = travelObjection(i, angle(other) - angle(one));
+               !wrong.empty()) {
+      finding.objection = std::move(wrong);
     } else if (under > kReached || over > kReached) {
       finding.objection = fmt::format(
           "it reaches {:.3f} to {:.3f} rad; the config sends it from {:.3f} to {:.3f}",

@@ -326,6 +326,38 @@ TEST_P(BringUpOf, TheWalkFindsZerosAndDirectionsAndEndsWell) {
   }
 }
 
+// A pinion of 8 mm where the config has 12: all else of the walk is fine with it.
+TEST(BringUpOfAGripper, TheWalkFindsAWrongTravel) {
+  for (const double travel : {0.012, 0.008}) {
+    Bench bench(config::readHandConfig(test::sourceDirectory() / "hardware" / "config" /
+                                       "examples" / "printed_gripper.yaml"));
+    std::string asked;
+    Operator person;
+    person.say = [](const std::string& /*line*/) {};
+    person.is_held = [] {
+      return true;
+    };
+    person.ask = [&](const std::string& question) -> std::optional<std::string> {
+      asked += question + "\n";
+      const auto has = [&question](const char* part) {
+        return question.find(part) != std::string::npos;
+      };
+      if (has("to its zero") || has("to its lower end")) bench.rig().put(0, 0.0);
+      if (has("to its upper end")) bench.rig().put(0, 0.036 / travel);
+      return has("Once more?") ? "n" : has("[y/n]") ? "y" : "";
+    };
+    config::HandConfig found = bench.config;
+    const Findings findings =
+        check(found, bench.maker(), bench.clock(), bench.sleeper(), person);
+    EXPECT_NE(asked.find("to its upper end, 0.036 m (3 rad)"), std::string::npos) << asked;
+    ASSERT_EQ(findings.motors.size(), 1u) << findings.trouble;
+    EXPECT_EQ(findings.motors[0].objection,
+              travel == 0.012 ? ""
+                              : "between its ends it turned by 4.50 rad, not 3.00: "
+                                "travel_m_rad is 0.008 by that, and 0.012 in the config");
+  }
+}
+
 TEST_P(BringUpOf, ScanFindsItOnATtyAndSaysWhatComesNext) {
   const config::HandConfig config = made();
   const auto rig = test::makeHandRig(config, true);
