@@ -104,6 +104,17 @@ TEST_F(MotionThreadTest, TheNewestPoseWins) {
   EXPECT_LE(thread->last().poses_accepted, 302u);
 }
 
+// More than the ring has room for, within a period.
+TEST_F(MotionThreadTest, AFloodOfRequestsLosesNoDisarming) {
+  ASSERT_TRUE(start());
+  for (int i = 0; i < 1000; ++i)
+    thread->request(Request::kArm);
+  thread->request(Request::kDisarm);
+  EXPECT_TRUE(waitFor([](const MotionState& state) {
+    return state.state == GovernorState::kIdle && !state.is_powered;
+  }));
+}
+
 TEST_F(MotionThreadTest, AStopFromAnotherThreadIsLatchedAndItsFlagTaken) {
   ASSERT_TRUE(start());
   offer(0.9);
