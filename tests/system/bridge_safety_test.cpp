@@ -204,12 +204,15 @@ TEST_F(TendonHandOnATty, WhoseHomingFailsHasNoZerosAnyMore) {
 TEST_F(TendonHandOnATty, KilledInItsHomingHasNoZerosWhenItComesBack) {
   start();
   home();
-  bench.command(v1::COMMAND_HOME);
+  Process homing(program("handgraft"),
+                 {"bridge", "home", "--domain", std::to_string(domain.number())});
   ASSERT_TRUE(bench.status([](const v1::BridgeStatus& told) {
     return told.reason() == "homing" && told.powered();
   })) << bench.told();
   bench.bridge().send(SIGKILL);
   static_cast<void>(bench.bridge().wait());
+  EXPECT_EQ(homing.wait(), 1) << "whoever asked for it is told";
+  EXPECT_NE(homing.err().find("has fallen silent"), std::string::npos) << homing.err();
   awaitPowerOff();
   bench.startBridge();
   server.stream(openHand());

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -21,6 +22,8 @@ TEST(Calibration, ComesBackBitForBit) {
   config.motors[0].zero_rad = 0.1 + 0.2;
   config.motors[1].zero_rad = -std::nextafter(1.0, 2.0);
   config.motors[1].direction = -1;
+  config.motors[2].zero_rad =
+      96 * 2 * std::numbers::pi + 100 * 5.0;  // marked, behind gears of 100
   const fs::path path = test::scratchDirectory() / "calibration.yaml";
   writeCalibration(path, config);
   HandConfig again = readHandConfig(examplePath("printed_tendon_hand"));
