@@ -1,12 +1,14 @@
 #include "server/store/upload_store.h"
 
 #include <chrono>
+#include <csignal>
 #include <fstream>
 #include <iterator>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "core/base/error.h"
 #include "server/base/rejection.h"
@@ -55,6 +57,42 @@ TEST(UploadStore, JoinsChunksAndRemovesTheFilesAfterUse) {
   EXPECT_EQ(contentOf(path), "abcde");
   files.reset();
   EXPECT_FALSE(fs::exists(path));
+}
+
+/// Files of this process end at so many bytes, as a disk that is full ends them.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t bytes) : before_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+
+  ~FileLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, before_handler_);
+  }
+
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  sighandler_t before_handler_;
+};
+
+TEST(UploadStore, AChunkThatFoundTheDiskFullMayComeAgain) {
+  UploadStore store;
+  store.put(kClient, chunk("a.urdf", "abc", 0, 8));
+  {
+    const FileLimit full(5);
+    EXPECT_EQ(codeOf([&] {
+                store.put(kClient, chunk("a.urdf", "defgh", 3, 8));
+              }),
+              v1::ERROR_OVERLOADED);
+  }
+  store.put(kClient, chunk("a.urdf", "defgh", 3, 8));
+  EXPECT_EQ(contentOf(store.finish(kClient, 1)->file("a.urdf")), "abcdefgh");
 }
 
 TEST(UploadStore, GivesBackWhatAClientThatIsGoneHadBegun) {
