@@ -234,8 +234,8 @@ int longestGapMs(int rate) {
   return rate < kUsualRate ? 350 : 150;
 }
 
-const char* unitOf(const Joint& joint) {
-  return joint.slides ? "m" : "rad";
+const char* unitOf(bool slides) {
+  return slides ? "m" : "rad";
 }
 
 /// How fast joints of either kind may move, as far as there are any, up to the head of the
@@ -248,15 +248,14 @@ std::string motionText(const std::vector<Joint>& joints) {
     };
     if (std::none_of(joints.begin(), joints.end(), is_such)) return;
     const double velocity = slides ? kTravel * kVelocity : kVelocity;
-    const char* unit = slides ? "m" : "rad";
+    const char* unit = unitOf(slides);
     keys += fmt::format("{}velocity_{}_s: {}, acceleration_{}_s2: {}, jerk_{}_s3: {}",
                         keys.empty() ? "" : ", ", unit, velocity, unit, 10 * velocity, unit,
                         200 * velocity);
     if (slides) {
       note =
-          "# FILL IN travel_m_rad: by so many metres a joint moves for a radian of its motor, "
-          "a\n"
-          "# pinion's radius or a screw's lead / 6.283; the motor's angles are its metres / "
+          "# FILL IN travel_m_rad: by so many metres a joint moves for a radian of its motor,\n"
+          "# a pinion's radius or a screw's lead / 6.283; the motor's angles are its metres / "
           "travel_m_rad.\n";
     }
   };
@@ -344,13 +343,13 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
     const std::string name = inQuotes(joint.name);
     const bool is_drawn = joint.slides && joint.leader.empty();
     const double travel = is_drawn ? kTravel : 1.0;
-    text += fmt::format("  - {{name: {}, lower_{}: {}, upper_{}: {}{}}}\n", name, unitOf(joint),
-                        joint.lower, unitOf(joint), joint.upper,
+    text += fmt::format("  - {{name: {}, lower_{}: {}, upper_{}: {}{}}}\n", name,
+                        unitOf(joint.slides), joint.lower, unitOf(joint.slides), joint.upper,
                         is_drawn ? fmt::format(", travel_m_rad: {}", travel) : "");
     if (!joint.leader.empty()) {
       followers +=
           fmt::format("    - {{joint: {}, leader: {}, ratio: {}, offset_{}: {}}}\n", name,
-                      inQuotes(joint.leader), joint.ratio, unitOf(joint), joint.offset);
+                      inQuotes(joint.leader), joint.ratio, unitOf(joint.slides), joint.offset);
       continue;
     }
     // A follower may ask for more of its leader than the leader's own limits.

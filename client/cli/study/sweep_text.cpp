@@ -91,9 +91,8 @@ std::string widerText(const SweepResult& result,
     if (!(wider > 0.0) || point.solved == 0 || point.reached >= points[best].reached) continue;
     const std::string unit = result.units[0].empty() ? "" : " " + result.units[0];
     out += fmt::format(
-        "{}{} permits all that {}{} does, and its search came to less: what is reached there "
-        "is "
-        "in reach here\n",
+        "{}{} permits all that {}{} does, and its search came to less: what is reached "
+        "there is in reach here\n",
         valueText(result, 0, point.values[0]), unit,
         valueText(result, 0, points[best].values[0]), unit);
   }
