@@ -3,10 +3,10 @@
 #include <cerrno>
 #include <system_error>
 
+#include "core/base/sanitized.h"
 #include "core/hand/skin_cache.h"
 #include "server/reading/landlock.h"
 #include "server/reading/sandbox.h"
-#include "server/reading/sanitized.h"
 #include "server/store/model_library.h"
 
 namespace handgraft::server {

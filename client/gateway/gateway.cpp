@@ -272,11 +272,10 @@ void Gateway::Impl::tellMeasured() {
   measured.take([this](const v1::JointState& state) {
     Json names = Json::array();
     Json positions = Json::array();
-    for (std::size_t i = 0; i < std::min(state.names().size(), state.position_rad().size());
-         ++i) {
-      if (!std::isfinite(state.position_rad()[i])) continue;  // not measured
+    for (std::size_t i = 0; i < std::min(state.names().size(), state.position().size()); ++i) {
+      if (!std::isfinite(state.position()[i])) continue;  // not measured
       names.push_back(state.names()[i]);
-      positions.push_back(state.position_rad()[i]);
+      positions.push_back(state.position()[i]);
     }
     const Shared text = textOf({{"event", "measured"},
                                 {"session", state.session_id()},

@@ -480,12 +480,13 @@ Pending<v1::MotionClock> Client::setClock(const v1::ClockRequest& request) {
   });
 }
 
-Pending<std::string> Client::exportSession(const v1::ExportRequest& request) {
+Pending<ExportedFile> Client::exportSession(const v1::ExportRequest& request) {
   v1::RequestBody body;
   body.export_file(request);
-  return impl_->call<std::string>(body, [](v1::ReplyBody& reply) {
+  return impl_->call<ExportedFile>(body, [](v1::ReplyBody& reply) {
     const std::vector<std::uint8_t>& content = reply.exported_file().content();
-    return std::string(content.begin(), content.end());
+    return ExportedFile{{content.begin(), content.end()},
+                        std::move(reply.exported_file().notes())};
   });
 }
 

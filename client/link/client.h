@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "client/link/model_files.h"
 #include "client/link/pending.h"
@@ -30,6 +31,12 @@ struct ClientOptions {
   Waiting waiting = {};
   /// For people, e.g. that a server was started; empty: on standard error.
   std::function<void(const std::string& line)> on_notice = {};
+};
+
+/// A session as a file for other programs.
+struct ExportedFile {
+  std::string content;             ///< its bytes
+  std::vector<std::string> notes;  ///< what the file does not say, or says with less
 };
 
 /// A handgraft-server, as functions. None waits; each returns an answer on its way, and any
@@ -126,8 +133,7 @@ class Client {
   /// Opens a session of what `saveSession` gave.
   Pending<v1::SessionState> loadSession(const std::string& text);
   Pending<v1::ReplayReply> replay(const std::string& text);
-  /// The bytes of the file.
-  Pending<std::string> exportSession(const v1::ExportRequest& request);
+  Pending<ExportedFile> exportSession(const v1::ExportRequest& request);
   /// In a secured domain; for the session's owner and operators.
   Pending<v1::SessionState> shareSession(const v1::ShareRequest& request);
   /// Works after an interruption, too, where the server answers within 2 s.

@@ -1,7 +1,6 @@
 #include "client/present/export_file.h"
 
 #include <algorithm>
-#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -122,15 +121,6 @@ std::vector<std::string> beyondOwnLimits(const v1::SessionSettings& settings) {
   return notes;
 }
 
-std::vector<std::string> notesIn(const std::string& isaac_grasp) {
-  constexpr std::string_view kNote = "# note: ";
-  std::vector<std::string> notes;
-  std::istringstream lines(isaac_grasp);
-  for (std::string line; std::getline(lines, line);)
-    if (line.starts_with(kNote)) notes.push_back(line.substr(kNote.size()));
-  return notes;
-}
-
 std::vector<std::string> exportSession(Client& server,
                                        std::uint64_t session_id,
                                        const std::string& format,
@@ -145,10 +135,9 @@ std::vector<std::string> exportSession(Client& server,
                                 fs::absolute(file.path).parent_path(), {file.path})
                           .string());
   }
-  const std::string content = server.exportSession(request).get();
-  writeFile(file.path, content);
-  return request.format() == v1::EXPORT_ISAAC_GRASP ? notesIn(content)
-                                                    : std::vector<std::string>();
+  ExportedFile exported = server.exportSession(request).get();
+  writeFile(file.path, exported.content);
+  return std::move(exported.notes);
 }
 
 }  // namespace handgraft::client

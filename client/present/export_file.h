@@ -30,15 +30,12 @@ std::vector<std::string> beyondOwnLimits(const v1::SessionSettings& settings);
 
 /// Has the server write its session in a format, and keeps that in a file. For `problem`, the
 /// hand's URDF is written beside it (`writeHand`). Complaints name the file by `file.option`.
-/// Returns what the file says that its reader must know (`notesIn`).
+/// Returns what its reader must know.
 /// Errors: InvalidInput for a file that may not be written; Refused for a format that is none.
 std::vector<std::string> exportSession(Client& server,
                                        std::uint64_t session_id,
                                        const std::string& format,
                                        const NamedFile& file);
-
-/// Of an `isaac_grasp` its comments `# note: ...` (core/io/grasp_writer.h).
-std::vector<std::string> notesIn(const std::string& isaac_grasp);
 
 /// Writes the hand's URDF into the folder and returns its name there. A file that others may
 /// need stays, and so do those of `taken`, which are to be written later: then a hash of the

@@ -332,8 +332,9 @@ void defineRecords(SessionClass& session_class) {
           [](LiveSession& session, const py::dict& given) {
             py::dict request(given.attr("copy")());
             request["session_id"] = session.get().id();
-            return py::bytes(
-                await(session.client().exportSession(messageOf<v1::ExportRequest>(request))));
+            const client::ExportedFile file =
+                await(session.client().exportSession(messageOf<v1::ExportRequest>(request)));
+            return py::make_tuple(py::bytes(file.content), file.notes);
           },
           "request"_a)
       .def("stop_solving",

@@ -123,6 +123,7 @@ class Segmenter {
       note("threshold by Otsu's rule: {:.3g}", threshold_);
     else
       tellAnotherScale();
+    tellBelowZero();
     if (options_.joints_O && !namesFingers()) {
       const Group all = groupOf("", [](int) {
         return true;
@@ -156,6 +157,16 @@ class Segmenter {
         "contact up to {:.4g} is no share from 0 to 1, and all above the threshold {:.3g} "
         "counts; as a share of the largest that would be a threshold of {:.3g}",
         most, threshold_, threshold_ * most);
+  }
+
+  /// Nothing touches less than not at all: such values mean something else (distances, a mark
+  /// for "not measured", another zero).
+  void tellBelowZero() {
+    constexpr double kRounding = 1e-9;
+    const auto count = (map_.value.array() < -kRounding).count();
+    if (count == 0) return;
+    note("{} of {} vertices have contact below 0, down to {:.4g}; it counts as none", count,
+         map_.value.size(), map_.value.minCoeff());
   }
 
   [[nodiscard]] bool touches(int v) const { return map_.value[v] > threshold_; }

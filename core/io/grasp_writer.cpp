@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/base/quoting.h"
 
 namespace handgraft::io {
 
@@ -15,28 +16,17 @@ using nlohmann::json;
 
 const std::string isaac_note = "# note: ";
 
-std::string csvField(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string field = "\"";
-  for (const char c : text) {
-    if (c == '"') field += '"';
-    field += c;
-  }
-  return field + '"';
-}
-
-/// YAML's double-quoted style takes JSON's escapes.
-std::string quotedName(const std::string& text) {
-  return json(text).dump(-1, ' ', true, json::error_handler_t::replace);
-}
-
 }  // namespace
+
+std::string yamlName(const std::string& name) {
+  return json(name).dump(-1, ' ', true, json::error_handler_t::replace);
+}
 
 std::string jointCsv(const PosedGrasp& grasp) {
   std::string text = "name,value,unit\n";
   const auto out = std::back_inserter(text);
   for (const JointValue& joint : jointValues(*grasp.model, grasp.pose.q)) {
-    fmt::format_to(out, "{},{},{}\n", csvField(joint.name), joint.value,
+    fmt::format_to(out, "{},{},{}\n", csvCell(joint.name), joint.value,
                    joint.prismatic ? "m" : "rad");
   }
   const Eigen::Vector3d p = grasp.pose.X_WH.translation();
@@ -60,16 +50,16 @@ std::string isaacGraspYaml(const PosedGrasp& grasp,
   std::string text = "format: isaac_grasp\nformat_version: 1.0\n\n";
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "object_frame_link: {}\ngripper_frame_link: {}\n\ngrasps:\n",
-                 quotedName(grasp.object), quotedName(model.links().front().name));
+                 yamlName(grasp.object), yamlName(model.links().front().name));
   fmt::format_to(out, "  {}:\n    confidence: {:.12f}\n",
-                 quotedName(grasp.hand + "_" + grasp.object), confidence);
+                 yamlName(grasp.hand + "_" + grasp.object), confidence);
   fmt::format_to(out, "    position: [{:.12f}, {:.12f}, {:.12f}]\n", p[0], p[1], p[2]);
   fmt::format_to(out, "    orientation: {{w: {:.12f}, xyz: [{:.12f}, {:.12f}, {:.12f}]}}\n",
                  q[0], q[1], q[2], q[3]);
   const auto add_joints = [&](const char* key, const Eigen::VectorXd& values) {
     fmt::format_to(out, "    {}:{}\n", key, model.dofCount() == 0 ? " {}" : "");
     for (int dof = 0; dof < model.dofCount(); ++dof) {
-      fmt::format_to(out, "      {}: {:.12f}\n", quotedName(model.dofJoint(dof).name),
+      fmt::format_to(out, "      {}: {:.12f}\n", yamlName(model.dofJoint(dof).name),
                      values[dof]);
     }
   };

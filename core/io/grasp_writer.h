@@ -28,6 +28,10 @@ std::string isaacGraspYaml(const PosedGrasp& grasp,
                            const Eigen::VectorXd& q_before,
                            const std::vector<std::string>& notes = {});
 
+/// A name as a scalar of YAML, whose double-quoted style takes JSON's escapes; what is no UTF-8
+/// becomes U+FFFD.
+std::string yamlName(const std::string& name);
+
 /// What we call confidence: the share of all points that lie within 5 mm; 0 without points.
 double confidenceOf(const optimize::SolveReport& report);
 

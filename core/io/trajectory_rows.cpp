@@ -21,6 +21,30 @@ Eigen::Matrix<double, 7, 1> freeJoint(const Pose& X, const Eigen::VectorXd& befo
   return values;
 }
 
+/// The names of the joints, and room for that many frames.
+TrajectoryRows roomFor(const hand::HandModel& model,
+                       const Eigen::VectorXd& q,
+                       Eigen::Index frames) {
+  TrajectoryRows rows;
+  for (const JointValue& joint : jointValues(model, q)) {
+    rows.joint_names.push_back(joint.name);
+    rows.independent += joint.follows ? 0 : 1;
+  }
+  const auto joints = static_cast<Eigen::Index>(rows.joint_names.size());
+  rows.qpos.resize(14 + joints, frames);
+  rows.qvel = Eigen::MatrixXd::Zero(12 + joints, frames);
+  return rows;
+}
+
+void setJoints(const hand::HandModel& model,
+               const Eigen::VectorXd& q,
+               Eigen::Index frame,
+               TrajectoryRows& rows) {
+  const std::vector<JointValue> values = jointValues(model, q);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    rows.qpos(7 + static_cast<Eigen::Index>(i), frame) = values[i].value;
+}
+
 /// From one pose to another in that time: linear in W, angular in the frame's own axes.
 Eigen::Matrix<double, 6, 1> freeVelocity(const Pose& from, const Pose& to, double time_s) {
   Eigen::Matrix<double, 6, 1> velocity;
@@ -36,14 +60,8 @@ TrajectoryRows rowsOf(const HandTrajectory& trajectory) {
   const std::vector<hand::HandPose>& poses = trajectory.solved->trajectory.poses;
   HANDGRAFT_REQUIRE(!poses.empty() && poses.size() == motion.X_WO.size());
   const auto frames = static_cast<Eigen::Index>(poses.size());
-  TrajectoryRows rows;
-  for (const JointValue& joint : jointValues(*trajectory.model, poses.front().q)) {
-    rows.joint_names.push_back(joint.name);
-    rows.independent += joint.follows ? 0 : 1;
-  }
+  TrajectoryRows rows = roomFor(*trajectory.model, poses.front().q, frames);
   const auto joints = static_cast<Eigen::Index>(rows.joint_names.size());
-  rows.qpos.resize(14 + joints, frames);
-  rows.qvel = Eigen::MatrixXd::Zero(12 + joints, frames);
   std::vector<Pose> X_WH;
   Eigen::VectorXd root;
   Eigen::VectorXd object;
@@ -55,9 +73,7 @@ TrajectoryRows rowsOf(const HandTrajectory& trajectory) {
     object = freeJoint(motion.X_WO[at], object);
     rows.qpos.col(k).head<7>() = root;
     rows.qpos.col(k).tail<7>() = object;
-    const std::vector<JointValue> values = jointValues(*trajectory.model, poses[at].q);
-    for (Eigen::Index i = 0; i < joints; ++i)
-      rows.qpos(7 + i, k) = values[static_cast<std::size_t>(i)].value;
+    setJoints(*trajectory.model, poses[at].q, k, rows);
   }
   for (Eigen::Index k = 0; frames > 1 && k < frames; ++k) {
     const auto from = static_cast<std::size_t>(std::max<Eigen::Index>(k - 1, 0));
@@ -70,6 +86,15 @@ TrajectoryRows rowsOf(const HandTrajectory& trajectory) {
          rows.qpos.col(static_cast<Eigen::Index>(from)).segment(7, joints)) /
         time_s;
   }
+  return rows;
+}
+
+TrajectoryRows rowsOf(const PosedGrasp& grasp) {
+  TrajectoryRows rows = roomFor(*grasp.model, grasp.pose.q, 1);
+  rows.time_s.push_back(0.0);
+  rows.qpos.col(0).head<7>() = freeJoint(grasp.pose.X_WH, {});
+  rows.qpos.col(0).tail<7>() = freeJoint(grasp.X_WO, {});
+  setJoints(*grasp.model, grasp.pose.q, 0, rows);
   return rows;
 }
 

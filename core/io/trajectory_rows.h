@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "core/io/posed_grasp.h"
 #include "core/io/trajectory_writer.h"
 
 namespace handgraft::io {
@@ -25,5 +26,8 @@ struct TrajectoryRows {
 
 /// Cost: O(frames).
 TrajectoryRows rowsOf(const HandTrajectory& trajectory);
+
+/// A single row, at rest.
+TrajectoryRows rowsOf(const PosedGrasp& grasp);
 
 }  // namespace handgraft::io

@@ -31,16 +31,13 @@ std::string trajectoryCsv(const HandTrajectory& trajectory);
 /// object, linear from frame to frame.
 std::string trajectoryGlb(const HandTrajectory& trajectory);
 
-/// NumPy arrays in a zip file that is not compressed: `time`, `qpos`, `qvel`, `contact`,
-/// `contact_pos`, `joint_names`, `patch_names`. qpos is MuJoCo's for a hand on a free joint,
-/// its joints, and the object on a free joint; qvel likewise.
+/// As npzOf (row_writer.h).
 std::string trajectoryNpz(const HandTrajectory& trajectory);
 
-/// MuJoCo's keyframes of that qpos, for a model that includes the file.
+/// As mjcfOf: keyframes `frame_0`, ...
 std::string trajectoryMjcf(const HandTrajectory& trajectory);
 
-/// `trajectory_msgs/msg/JointTrajectory` as `ros2 topic pub` reads it: independent joints with
-/// positions and velocities. The root's way is no part of that message.
+/// As that of its rows.
 std::string rosTrajectoryYaml(const HandTrajectory& trajectory);
 
 }  // namespace handgraft::io

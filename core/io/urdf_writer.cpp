@@ -6,34 +6,12 @@
 #include <Eigen/Geometry>
 
 #include "core/base/error.h"
+#include "core/base/quoting.h"
 #include "core/hand/joint_numbers.h"
 
 namespace handgraft::io {
 
 namespace {
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 /// Angles about the fixed axes x, y, z in turn, as URDF has them. The last one is read off what
 /// the others leave, so that the three together are right also where x and z turn alike.
@@ -86,7 +64,7 @@ std::string jointText(const hand::Joint& joint, double effort) {
   std::string out = fmt::format(
       "  <joint name=\"{}\" type=\"{}\">\n    <parent link=\"{}\"/>\n    <child link=\"{}\"/>\n"
       "    <origin xyz=\"{} {} {}\" rpy=\"{} {} {}\"/>\n",
-      escaped(joint.name), typeOf(joint), escaped(joint.parent_link), escaped(joint.child_link),
+      xmlText(joint.name), typeOf(joint), xmlText(joint.parent_link), xmlText(joint.child_link),
       p.x(), p.y(), p.z(), rpy.x(), rpy.y(), rpy.z());
   if (joint.type != hand::JointType::kFixed) {
     out += fmt::format("    <axis xyz=\"{} {} {}\"/>\n", joint.axis_J.x(), joint.axis_J.y(),
@@ -96,7 +74,7 @@ std::string jointText(const hand::Joint& joint, double effort) {
   }
   if (joint.mimic) {
     out += fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>\n",
-                       escaped(joint.mimic->source_joint), joint.mimic->multiplier,
+                       xmlText(joint.mimic->source_joint), joint.mimic->multiplier,
                        joint.mimic->offset);
   }
   return out + "  </joint>\n";
@@ -113,9 +91,9 @@ std::string kinematicUrdfText(const hand::HandModel& model,
     return told == efforts.end() ? 0.0 : told->second;
   };
   std::string out = fmt::format("<?xml version=\"1.0\"?>\n<!-- {} -->\n<robot name=\"{}\">\n",
-                                comment, escaped(model.name()));
+                                comment, xmlText(model.name()));
   for (const hand::Link& link : model.links())
-    out += fmt::format("  <link name=\"{}\"/>\n", escaped(link.name));
+    out += fmt::format("  <link name=\"{}\"/>\n", xmlText(link.name));
   for (const hand::Joint& joint : model.joints())
     out += jointText(joint, effort_of(joint));
   return out + "</robot>\n";

@@ -146,7 +146,7 @@ class Sweep {
     }
   }
 
-  std::vector<SweepRow> run() {
+  SweepResult run() {
     solveBases();
     // === Combinations by the shape that they give the hand
     std::map<Combination, std::vector<std::size_t>> by_shape;
@@ -169,7 +169,11 @@ class Sweep {
         sweepShape(shapes[i], nullptr);
       });
     }
-    return std::move(rows_);
+    SweepResult result;
+    result.rows = std::move(rows_);
+    for (std::size_t i = 0; i < grasps_.size(); ++i)
+      result.notes.push_back(grasps_[i].motion ? motions_[i].notes() : bases_[i].notes);
+    return result;
   }
 
  private:
@@ -319,11 +323,11 @@ class Sweep {
 
 }  // namespace
 
-std::vector<SweepRow> sweep(const hand::Hand& hand,
-                            const std::vector<SweepGrasp>& grasps,
-                            const std::vector<SweepAxis>& axes,
-                            const SweepOptions& options,
-                            const Progress& progress) {
+SweepResult sweep(const hand::Hand& hand,
+                  const std::vector<SweepGrasp>& grasps,
+                  const std::vector<SweepAxis>& axes,
+                  const SweepOptions& options,
+                  const Progress& progress) {
   HANDGRAFT_REQUIRE(hand.model != nullptr && hand.skin != nullptr);
   requireSound(hand, grasps, axes, options);
   return Sweep(hand, grasps, axes, options, progress).run();

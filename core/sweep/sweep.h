@@ -82,10 +82,14 @@ struct SweepRow {
   double solve_ms = 0.0;   ///< not part of the promise below
 };
 
+struct SweepResult {
+  std::vector<SweepRow> rows;  ///< by combination, the first axis slowest, grasps fastest
+  std::vector<std::vector<std::string>> notes;  ///< of each grasp on the hand as it is
+};
+
 inline constexpr std::size_t kMostSweepRows = 100'000;
 
-/// Solves every grasp with every combination of values; rows by combination, the first axis
-/// slowest, grasps fastest.
+/// Solves every grasp with every combination of values.
 ///
 /// A row is the better of two answers. One is that of a session opened on the variant: fingers
 /// dealt, places found and searched as ever. The other keeps where the grasp's patches lie on
@@ -107,10 +111,10 @@ inline constexpr std::size_t kMostSweepRows = 100'000;
 /// Cost: a session's opening and solve a grasp, and a row (some 0.1 s; of a motion 5 ms a
 ///   frame); 50 ms a variant of another shape, its solid some 0.3 s, and about a millisecond a
 ///   patch laid on it.
-std::vector<SweepRow> sweep(const hand::Hand& hand,
-                            const std::vector<SweepGrasp>& grasps,
-                            const std::vector<SweepAxis>& axes,
-                            const SweepOptions& options,
-                            const Progress& progress);
+SweepResult sweep(const hand::Hand& hand,
+                  const std::vector<SweepGrasp>& grasps,
+                  const std::vector<SweepAxis>& axes,
+                  const SweepOptions& options,
+                  const Progress& progress);
 
 }  // namespace handgraft::sweep

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/base/progress.h"
 #include "core/hand/variant.h"
@@ -18,6 +19,10 @@ struct SweepMotionBase {
   std::shared_ptr<const retargeting::SolvedMotion> solved;
   /// The motion, each key with the place on the hand that it was laid at.
   manipulation::Motion motion;
+
+  [[nodiscard]] std::vector<std::string> notes() const {
+    return solved ? solved->notes : std::vector<std::string>();
+  }
 };
 
 /// Solves the motion as a session would. An InvalidInput is told in `error`. Cancelled on wish.

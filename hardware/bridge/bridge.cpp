@@ -103,6 +103,9 @@ struct Bridge::Impl {
     identity.hand = config.hand;
     identity.device = nameOf(config.device);
     identity.joints = config.governor.names;
+    identity.sliding.clear();
+    for (std::size_t i = 0; i < identity.joints.size(); ++i)
+      if (config.governor.limits[i].slides) identity.sliding.push_back(identity.joints[i]);
     identity.motors.clear();
     for (const config::MotorConfig& motor : config.motors)
       identity.motors.push_back(motor.name);
@@ -154,7 +157,7 @@ struct Bridge::Impl {
     }
     if (kind == v1::COMMAND_ARM && !misfit.empty()) {
       const std::string why = "ARM refused: " + misfit;
-      own_refusal.note(v1::REFUSAL_POSE, why);
+      own_refusal.note(v1::REFUSAL_OTHER_JOINTS, why);
       return say(why);
     }
     if (kind == v1::COMMAND_ARM) is_willing = !options.config && options.arms_itself;

@@ -158,17 +158,21 @@ std::string kindsThatDiffer(const v1::HandDescription& description,
                             const config::HandConfig& config) {
   const auto& names = config.governor.names;
   std::string text;
-  for (const v1::JointInfo& joint : description.joints()) {
-    const auto found = std::find(names.begin(), names.end(), joint.name());
-    if (found == names.end()) continue;
-    const bool slides = joint.kind() == v1::JOINT_PRISMATIC;
+  const auto compare = [&](const std::string& joint, v1::JointKind kind) {
+    const auto found = std::find(names.begin(), names.end(), joint);
+    if (found == names.end()) return;
+    const bool slides = kind == v1::JOINT_PRISMATIC;
     const bool config_slides =
         config.governor.limits[static_cast<std::size_t>(found - names.begin())].slides;
-    if (config_slides == slides) continue;
+    if (config_slides == slides) return;
     text += fmt::format("{}joint {} {} in the config and {} in its model",
-                        text.empty() ? "" : "; ", quoted(joint.name()),
+                        text.empty() ? "" : "; ", quoted(joint),
                         config_slides ? "slides" : "turns", slides ? "slides" : "turns");
-  }
+  };
+  for (const v1::JointInfo& joint : description.joints())
+    compare(joint.name(), joint.kind());
+  for (const v1::MimicInfo& follower : description.mimics())
+    compare(follower.joint(), follower.kind());
   return text;
 }
 

@@ -14,8 +14,9 @@ constexpr std::chrono::seconds kDiagnosisPeriod(1);  // as ROS's aggregators exp
 
 bool isNews(const v1::BridgeStatus& status, const v1::BridgeStatus& last) {
   return status.state() != last.state() || status.fault() != last.fault() ||
-         status.powered() != last.powered() || status.homed() != last.homed() ||
-         status.reason() != last.reason() || status.session_id() != last.session_id() ||
+         status.power() != last.power() || status.homed() != last.homed() ||
+         status.homing() != last.homing() || status.reason() != last.reason() ||
+         status.session_id() != last.session_id() ||
          status.last_refusal() != last.last_refusal();
 }
 

@@ -17,8 +17,8 @@ std::string jsonLine(const BridgeReport& report) {
   using Json = nlohmann::ordered_json;
   const Json line = {{"message", report.message},       {"state", nameOf(report.state)},
                      {"session_id", report.session_id}, {"hand", report.hand},
-                     {"names", report.names},           {"position_rad", report.position},
-                     {"target_rad", report.target}};
+                     {"names", report.names},           {"position", report.position},
+                     {"target", report.target}};
   return line.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

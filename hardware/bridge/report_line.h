@@ -10,7 +10,7 @@ namespace handgraft::bridge {
 std::string textLine(const BridgeReport& report);
 
 /// One line of JSON:
-/// {"message","state","session_id","hand","names","position_rad","target_rad"}. Bytes that are
+/// {"message","state","session_id","hand","names","position","target"}. Bytes that are
 /// not UTF-8 become U+FFFD, numbers that are not finite null.
 std::string jsonLine(const BridgeReport& report);
 

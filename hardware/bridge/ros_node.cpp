@@ -10,7 +10,6 @@
 #include "core/base/error.h"
 #include "hardware/bridge/inbox.h"
 #include "idl/fields.h"
-#include "idl/motor_power.h"
 #include "idl/topics.h"
 
 namespace handgraft::bridge {
@@ -38,7 +37,7 @@ constexpr std::array<Verb, 5> kVerbs = {{{v1::COMMAND_ARM, "arm"},
                                          {v1::COMMAND_HOME, "home"}}};
 
 bool isOff(const v1::BridgeStatus& status) {
-  return !status.powered() && status.state() != v1::BRIDGE_ARMED &&
+  return status.power() != v1::POWER_ON && status.state() != v1::BRIDGE_ARMED &&
          status.state() != v1::BRIDGE_HOLDING;
 }
 
@@ -114,7 +113,7 @@ class Service {
   void settle(Waiting& who, const v1::BridgeStatus& status, Clock::time_point now) {
     if (who.since == now) return;  // the status is older than the request
     const bool homes = verb_.kind == v1::COMMAND_HOME;
-    const bool is_homing = status.reason() == "homing";
+    const bool is_homing = status.homing();
     who.has_begun = who.has_begun || is_homing;
     const bool is_refused = status.refusal_count() != who.refusals &&
                             status.refusal() != v1::REFUSAL_NONE &&
@@ -129,7 +128,7 @@ class Service {
     // Who asks for the motors to be off must not take what nobody knows for it.
     const bool is_known =
         (verb_.kind != v1::COMMAND_DISARM && verb_.kind != v1::COMMAND_ESTOP) ||
-        idl::isPowerKnown(status);
+        status.power() != v1::POWER_UNKNOWN;
     response.success(!is_refused && is_done && is_known && (!homes || status.homed()));
     response.message(is_refused ? status.last_refusal() : status.reason());
     replies_.write(response);
@@ -171,17 +170,17 @@ std::string rosNamespace(const std::string& told) {
 
 trajectory_msgs::msg::dds_::JointTrajectory_ rosTrajectory(
     const std::vector<std::string>& names,
-    const std::vector<double>& command_rad,
-    const std::vector<double>& before_rad,
+    const std::vector<double>& command,
+    const std::vector<double>& before,
     double period_s) {
   trajectory_msgs::msg::dds_::JointTrajectory_ message;
   message.joint_names(names);  // a stamp of 0: from now on
   trajectory_msgs::msg::dds_::JointTrajectoryPoint_ point;
-  point.positions(command_rad);
-  if (before_rad.size() == command_rad.size()) {
-    std::vector<double> velocities(command_rad.size());
+  point.positions(command);
+  if (before.size() == command.size()) {
+    std::vector<double> velocities(command.size());
     for (std::size_t i = 0; i < velocities.size(); ++i)
-      velocities[i] = (command_rad[i] - before_rad[i]) / period_s;
+      velocities[i] = (command[i] - before[i]) / period_s;
     point.velocities(std::move(velocities));
   }
   const auto period = std::chrono::nanoseconds(std::llround(1e9 * period_s));
@@ -208,7 +207,7 @@ diagnostic_msgs::msg::dds_::DiagnosticArray_ rosDiagnostics(
   add("refusal", v1::nameOf(status.refusal()));
   add("last_refusal", status.last_refusal());
   add("hand", status.hand());
-  add("powered", status.powered() ? "true" : "false");
+  add("power", v1::nameOf(status.power()));
   add("homed", status.homed() ? "true" : "false");
   add("clamping", status.clamping());
   add("warnings", status.warnings());
@@ -232,15 +231,15 @@ diagnostic_msgs::msg::dds_::DiagnosticArray_ rosDiagnostics(
 bool isDone(v1::HandCommandKind kind, const v1::BridgeStatus& status) {
   switch (kind) {
     case v1::COMMAND_ARM:
-      return status.state() == v1::BRIDGE_ARMED && status.powered();
+      return status.state() == v1::BRIDGE_ARMED && status.power() == v1::POWER_ON;
     case v1::COMMAND_DISARM:
       return isOff(status);
     case v1::COMMAND_ESTOP:
-      return status.state() == v1::BRIDGE_ESTOP && !status.powered();
+      return status.state() == v1::BRIDGE_ESTOP && status.power() != v1::POWER_ON;
     case v1::COMMAND_RESET:
       return status.state() == v1::BRIDGE_IDLE || status.state() == v1::BRIDGE_DISCONNECTED;
     case v1::COMMAND_HOME:
-      return status.homed() && status.reason() != "homing";
+      return status.homed() && !status.homing();
   }
   return false;
 }

@@ -19,11 +19,11 @@ namespace handgraft::bridge {
 std::string rosNamespace(const std::string& told);
 
 /// One point, to be reached within a period: what the governor lets the hand do now.
-/// `before_rad`: the command before; empty: it began just now.
+/// `before`: the command before; empty: it began just now.
 trajectory_msgs::msg::dds_::JointTrajectory_ rosTrajectory(
     const std::vector<std::string>& names,
-    const std::vector<double>& command_rad,
-    const std::vector<double>& before_rad,
+    const std::vector<double>& command,
+    const std::vector<double>& before,
     double period_s);
 
 /// What the status tells, as a driver's diagnostics.

@@ -37,6 +37,16 @@ v1::BridgeFault wireFault(Fault::Kind kind) {
   return v1::FAULT_HARDWARE;
 }
 
+/// Of a device that is gone or silent nobody knows.
+v1::MotorPower powerOf(const BridgeIdentity& identity, const MotionState& state) {
+  if (state.is_powered) return v1::POWER_ON;
+  // A bridge without a hand has no motors yet.
+  const bool is_away = state.state == GovernorState::kDisconnected && !identity.hand.empty();
+  const v1::BridgeFault fault = wireFault(state);
+  return is_away || fault == v1::FAULT_WIRE || fault == v1::FAULT_SILENT ? v1::POWER_UNKNOWN
+                                                                         : v1::POWER_OFF;
+}
+
 double secondsOf(devices::Duration time) {
   return std::chrono::duration<double>(time).count();
 }
@@ -109,17 +119,18 @@ v1::JointState jointState(const BridgeIdentity& identity,
   message.stamp_ns(system_ns.count());
   if (names.empty() || !state.is_connected) return message;
   message.names(names);
-  message.position_rad(state.position);
-  message.velocity_rad_s(state.velocity);
+  message.sliding(identity.sliding);
+  message.position(state.position);
+  message.velocity(state.velocity);
   message.effort(state.effort);
   message.motors(identity.motors);
   message.current_A(state.motor_current);
   message.temperature_c(state.motor_temperature);
   message.touch_N(state.touch);
-  if (state.stream != 0) message.target_rad(state.target);
+  if (state.stream != 0) message.target(state.target);
   if (state.is_powered) {
-    message.command_rad(state.command);
-    message.residual_rad(state.residual);
+    message.command(state.command);
+    message.residual(state.residual);
   }
   return message;
 }
@@ -159,7 +170,8 @@ v1::BridgeStatus bridgeStatus(const BridgeIdentity& identity,
   message.state(wireState(state.state));
   message.fault(wireFault(state));
   message.reason(describe(state));
-  message.powered(state.is_powered);
+  message.power(powerOf(identity, state));
+  message.homing(state.is_homing);
   message.homed(state.is_homed);
   message.slow(state.is_slow || !state.slower.view().empty());
   message.session_id(identity.session_id);

@@ -18,7 +18,8 @@ struct BridgeIdentity {
   std::string hand;    ///< empty: none yet
   std::string config;  ///< the file's name; empty: none
   std::vector<std::string> motors;
-  std::vector<std::string> joints;  ///< empty: no hand yet
+  std::vector<std::string> joints;   ///< empty: no hand yet
+  std::vector<std::string> sliding;  ///< of them
   std::uint64_t session_id = 0;
   double period_s = 0.01;
 };

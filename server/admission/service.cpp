@@ -194,10 +194,10 @@ void Service::expireIdleSessions() {
   for (const auto& live : sessions_.all()) {
     const Clock::duration idle = live->idle();
     if (idle < limit - warning) {
-      live->warn(LiveSession::Warning::kIdle, "");
+      live->warnOfClosing("");
     } else if (idle < limit) {
-      live->warn(LiveSession::Warning::kIdle,
-                 fmt::format("idle; closes within {} unless it is used", inWords(warning)));
+      live->warnOfClosing(
+          fmt::format("idle; closes within {} unless it is used", inWords(warning)));
     } else {
       const bool is_taken = live->strand().post([this, live, limit] {
         if (live->idle() < limit || live->isClosed()) return;

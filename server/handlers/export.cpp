@@ -1,5 +1,6 @@
 #include "server/handlers/export.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/io/grasp_writer.h"
 #include "core/io/problem_file.h"
+#include "core/io/row_writer.h"
 #include "core/io/scene_writer.h"
 #include "core/placement/pregrasp.h"
 #include "idl/fields.h"
@@ -27,7 +29,8 @@ namespace {
 
 std::string problemOf(LiveSession& live,
                       const v1::ExportRequest& request,
-                      const Progress& progress) {
+                      const Progress& progress,
+                      std::vector<std::string>& notes) {
   if (request.package_names().size() != request.package_paths().size()) {
     rejectInput("export: {} package names but {} paths", request.package_names().size(),
                 request.package_paths().size());
@@ -40,7 +43,6 @@ std::string problemOf(LiveSession& live,
   const bool solved = session.solvedProblem() && live.cycle().isSolvedAt(session.revision());
   if (!solved) session.transferPatches(progress);
   const optimize::PoseProblem problem = solved ? *session.solvedProblem() : session.problem();
-  std::vector<std::string> notes;
   if (problem.avoidance != nullptr) {
     notes.emplace_back(
         "depth inside the object and the hand itself was charged, too, which this file cannot "
@@ -112,11 +114,34 @@ std::string jsonOf(LiveSession& live, const Progress& progress) {
   return idl::graspText(names, solution, patchReports(session));
 }
 
-std::string isaacGraspOf(LiveSession& live, const Standing& one, const Progress& progress) {
+/// Where the patches are that count, and which of them are reached.
+io::ContactRows contactsOf(LiveSession& live, const Standing& one, const Progress& progress) {
+  const v1::PoseSolution solution = diagnosedPose(live, progress);
+  const auto& patches = live.session().patches();
+  io::ContactRows contacts;
+  for (const v1::PatchFit& fit : solution.patches()) {
+    const auto item =
+        std::find_if(patches.begin(), patches.end(), [&](const session::SessionPatch& each) {
+          return each.patch.name == fit.name();
+        });
+    if (item == patches.end()) continue;
+    contacts.patch_names.push_back(fit.name());
+    const bool is_reached = fit.diagnosis().verdict() == v1::VERDICT_REACHED;
+    contacts.presence.push_back(is_reached ? 1.0 : 0.0);
+    const Eigen::Vector3d p_W =
+        one.grasp.X_WO * positionOf(*one.grasp.object_O, item->patch.root);
+    contacts.p_W_m.insert(contacts.p_W_m.end(), p_W.data(), p_W.data() + 3);
+  }
+  return contacts;
+}
+
+std::string isaacGraspOf(LiveSession& live,
+                         const Standing& one,
+                         const Progress& progress,
+                         std::vector<std::string>& notes) {
   const placement::Pregrasp before =
       placement::pregraspOf(live.session().hand(), one.grasp.object_O, one.grasp.X_WO,
                             one.grasp.pose, one.solution.problem.pairs, progress);
-  std::vector<std::string> notes;
   if (!before.is_clear) {
     notes.push_back(
         fmt::format("no pose before the grasp was found that is clear of the object: the hand "
@@ -128,13 +153,13 @@ std::string isaacGraspOf(LiveSession& live, const Standing& one, const Progress&
 
 /// It shows the pose that answers the last edit.
 bool isOfPoses(v1::ExportFormat format) {
-  return format == v1::EXPORT_JSON || format == v1::EXPORT_CSV || format == v1::EXPORT_OBJ ||
-         format == v1::EXPORT_GLB || format == v1::EXPORT_ISAAC_GRASP;
+  return format != v1::EXPORT_PROBLEM;
 }
 
 std::string contentOf(LiveSession& live,
                       const v1::ExportRequest& request,
-                      const Progress& progress) {
+                      const Progress& progress,
+                      std::vector<std::string>& notes) {
   if (live.motion() != nullptr) return motionExport(live, request.format());
   switch (request.format()) {
     case v1::EXPORT_JSON:
@@ -147,15 +172,21 @@ std::string contentOf(LiveSession& live,
       return io::glbBytes(standingOf(live, progress).grasp);
     case v1::EXPORT_ISAAC_GRASP: {
       const Standing one = standingOf(live, progress);
-      return isaacGraspOf(live, one, progress);
+      return isaacGraspOf(live, one, progress, notes);
     }
     case v1::EXPORT_PROBLEM:
-      return problemOf(live, request, progress);
-    case v1::EXPORT_NPZ:
-    case v1::EXPORT_MJCF:
+      return problemOf(live, request, progress, notes);
+    case v1::EXPORT_NPZ: {
+      const Standing one = standingOf(live, progress);
+      return io::npzOf(io::rowsOf(one.grasp), contactsOf(live, one, progress));
+    }
+    case v1::EXPORT_MJCF: {
+      const io::PosedGrasp grasp = standingOf(live, progress).grasp;
+      return io::mjcfOf(io::rowsOf(grasp),
+                        fmt::format("{} grasps {}", grasp.hand, grasp.object), "grasp");
+    }
     case v1::EXPORT_ROS_TRAJECTORY:
-      rejectInput("export: {} is a format of motions; session {} holds contacts",
-                  nameOf(request.format()), live.id());
+      return io::rosTrajectoryYaml(io::rowsOf(standingOf(live, progress).grasp));
   }
   rejectInput("export: there is no format {}; there are {}",
               static_cast<unsigned>(request.format()),
@@ -173,8 +204,8 @@ std::optional<v1::ExportReply> exportSession(LiveSession& live,
     if (end == SolveEnd::kCutShort) return std::nullopt;
     requireDone(end, live);
   }
-  const std::string content = contentOf(live, request, progress);
   v1::ExportReply reply;
+  const std::string content = contentOf(live, request, progress, reply.notes());
   reply.content().assign(content.begin(), content.end());
   return reply;
 }

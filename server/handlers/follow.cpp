@@ -12,7 +12,6 @@
 #include "core/base/error.h"
 #include "core/demonstration/posed_hand_tracker.h"
 #include "core/hand/kinematics.h"
-#include "idl/demonstrator_words.h"
 #include "server/messages/convert.h"
 
 namespace handgraft::server {
@@ -161,6 +160,11 @@ v1::PoseSolution answerOf(LiveSession& live,
   return solution;
 }
 
+/// Whose frames they are, not what is in them, is why they are refused.
+class AnotherIsFollowed : public InvalidInput {
+  using InvalidInput::InvalidInput;
+};
+
 /// Frames of one demonstrator alone: of another one when the first has stopped, and of a writer
 /// that counts anew, the hand begins anew, with its clock and with what touches.
 void heed(LiveSession& live, const v1::DemonstratorFrame& frame) {
@@ -169,12 +173,12 @@ void heed(LiveSession& live, const v1::DemonstratorFrame& frame) {
   const SolveCycle::Clock::time_point now = live.now();
   const bool is_same = frame.client() == following.client;
   if (following.follower && !is_same && now - following.heard < kStopped)
-    rejectInput("{}, until it has stopped for {} ms", idl::kAnotherIsFollowed,
-                kStopped.count());
+    throw AnotherIsFollowed(fmt::format(
+        "another one is followed, until it has stopped for {} ms", kStopped.count()));
   if (!is_same || frame.sequence_number() <= following.sequence_number) {
     following = Following();
     // What the one before was told is no word of this one, though it may be told the same.
-    live.warn(LiveSession::Warning::kDemonstrator, "");
+    live.tellDemonstrator({});
   }
   following.client = frame.client();
   following.sequence_number = frame.sequence_number();
@@ -223,13 +227,22 @@ std::string whyNotBegun(int touches) {
   constexpr int kEnough = retargeting::LiveFollower::kTouchesToBegin;
   if (touches < kEnough) {
     return fmt::format(
-        "{}{} {} of the {} parts that a hand begins with; two of two fingers that stay do, too",
-        idl::kOfDemonstrator, idl::kTouchesTooLittle, touches, kEnough);
+        "touches the object with {} of the {} parts that a hand begins with; two of two "
+        "fingers "
+        "that stay do, too",
+        touches, kEnough);
   }
   return fmt::format(
-      "{}{} {} parts; the hand begins when no more come and a pose "
-      "out of the object is found",
-      idl::kOfDemonstrator, idl::kTouchesTooLittle, touches);
+      "touches the object with {} parts; the hand begins when no more come and a pose out of "
+      "the object is found",
+      touches);
+}
+
+v1::FollowState said(v1::FollowVerdict verdict, const std::string& text) {
+  v1::FollowState state;
+  state.verdict(verdict);
+  state.text("demonstrator: " + text);
+  return state;
 }
 
 }  // namespace
@@ -237,20 +250,22 @@ std::string whyNotBegun(int touches) {
 void followFrame(LiveSession& live,
                  const ModelStore& models,
                  const v1::DemonstratorFrame& frame) {
-  std::string trouble;
+  v1::FollowState told;
   try {
     if (const auto answer = answerTo(live, models, frame)) {
       live.recallFrom(0);
       live.publish(answerOf(live, frame, *answer));
     } else {
-      trouble = whyNotBegun(live.following.follower->touches());
+      told = said(v1::FOLLOW_WAITS, whyNotBegun(live.following.follower->touches()));
     }
   } catch (const Cancelled&) {
     return;  // it is being closed
+  } catch (const AnotherIsFollowed& error) {
+    told = said(v1::FOLLOW_ANOTHER, error.what());
   } catch (const std::exception& error) {
-    trouble = std::string(idl::kOfDemonstrator) + error.what();
+    told = said(v1::FOLLOW_REFUSED, error.what());
   }
-  live.warn(LiveSession::Warning::kDemonstrator, trouble);
+  live.tellDemonstrator(told);
 }
 
 }  // namespace handgraft::server

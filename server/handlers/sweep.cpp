@@ -101,7 +101,7 @@ v1::SweepReply sweepHand(const v1::SweepRequest& request,
   const HandlerContext::Share share(context);
   options.threads = share.threads();
   const auto begin = std::chrono::steady_clock::now();
-  const std::vector<sweep::SweepRow> rows =
+  const sweep::SweepResult swept =
       sweep::sweep(ready, studied.grasps(), axes, options, progress);
   const std::chrono::duration<double, std::milli> spent =
       std::chrono::steady_clock::now() - begin;
@@ -109,13 +109,21 @@ v1::SweepReply sweepHand(const v1::SweepRequest& request,
   v1::SweepReply reply;
   reply.joint_names(ready.model->dofNames());
   const std::size_t grasps = studied.grasps().size();
-  for (std::size_t first = 0; first < rows.size(); first += grasps) {
+  for (std::size_t first = 0; first < swept.rows.size(); first += grasps) {
     for (std::size_t i = 0; i < studied.asked().size(); ++i) {
       const Asked& one = studied.asked()[i];
-      const sweep::SweepRow& row = rows[first + one.grasp];
+      const sweep::SweepRow& row = swept.rows[first + one.grasp];
       v1::SweepRow message = one.is_motion ? toMessage(row, one.patch) : toMessage(row);
       message.grasp(static_cast<std::uint32_t>(i));
       reply.rows().push_back(std::move(message));
+    }
+  }
+  for (std::size_t i = 0; i < studied.asked().size(); ++i) {
+    for (const std::string& text : swept.notes[studied.asked()[i].grasp]) {
+      v1::SweepNote note;
+      note.grasp(static_cast<std::uint32_t>(i));
+      note.text(text);
+      reply.notes().push_back(std::move(note));
     }
   }
   reply.total_ms(spent.count());

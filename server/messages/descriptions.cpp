@@ -155,12 +155,13 @@ v1::SiteInfo siteInfo(const hand::ContactSite& site) {
   return info;
 }
 
-v1::MimicInfo mimicInfo(const std::string& name, const hand::Mimic& mimic) {
+v1::MimicInfo mimicInfo(const hand::Joint& joint) {
   v1::MimicInfo info;
-  info.joint(name);
-  info.source(mimic.source_joint);
-  info.multiplier(mimic.multiplier);
-  info.offset(mimic.offset);
+  info.joint(joint.name);
+  info.kind(kindOf(joint));
+  info.source(joint.mimic->source_joint);
+  info.multiplier(joint.mimic->multiplier);
+  info.offset(joint.mimic->offset);
   return info;
 }
 
@@ -262,7 +263,7 @@ v1::HandDescription describe(const StoredHand& hand,
   for (int dof = 0; dof < model.dofCount(); ++dof)
     message.joints().push_back(jointInfo(model, dof));
   for (const hand::Joint& joint : model.joints())
-    if (joint.mimic) message.mimics().push_back(mimicInfo(joint.name, *joint.mimic));
+    if (joint.mimic) message.mimics().push_back(mimicInfo(joint));
   if (hand.floating_base) message.free_root_joints(hand.floating_base->dofNames());
   for (const hand::NamedPose& pose : hand.poses)
     message.poses().push_back(namedPose(pose));

@@ -9,7 +9,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "server/reading/sanitized.h"
+#include "core/base/sanitized.h"
 
 namespace handgraft::server {
 

@@ -13,8 +13,8 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
+#include "core/base/sanitized.h"
 #include "server/reading/landlock.h"
-#include "server/reading/sanitized.h"
 
 namespace handgraft::server {
 

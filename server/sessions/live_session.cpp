@@ -108,7 +108,7 @@ void LiveSession::setPhase(v1::SessionState& state,
                            const std::string& message,
                            double progress) {
   state.phase(phase);
-  state.message(message.empty() ? warning() : message);
+  state.message(message.empty() ? warning(state) : message);
   state.progress(progress);
   if (!isAtWork(phase)) resting_phase_ = phase;
 }
@@ -224,24 +224,34 @@ std::chrono::steady_clock::duration LiveSession::idle() const {
   return now_() - Clock::time_point(Clock::duration(last_used_));
 }
 
-std::string LiveSession::warning() const {
-  std::string all;
-  for (const std::string& one : warnings_)
-    if (!one.empty()) all += (all.empty() ? "" : "; ") + one;
-  return all;
+std::string LiveSession::warning(const v1::SessionState& state) const {
+  const std::string& followed = state.following().text();
+  return followed + (followed.empty() || closing_.empty() ? "" : "; ") + closing_;
 }
 
-void LiveSession::warn(Warning kind, const std::string& warning) {
+void LiveSession::warn(const std::function<bool(v1::SessionState&)>& changes) {
   bool is_news = false;
   const auto change = [&](v1::SessionState& state) {
-    const std::string before = this->warning();
-    std::string& kept = warnings_.at(static_cast<std::size_t>(kind));
-    is_news = warning != kept;
-    kept = warning;
-    if (state.message() == before) state.message(this->warning());
+    const std::string before = warning(state);
+    is_news = changes(state);
+    if (state.message() == before) state.message(warning(state));
   };
   published_.change(change, PublishedState::kSilently);
   if (is_news) published_.change([](v1::SessionState&) {});
+}
+
+void LiveSession::warnOfClosing(const std::string& warning) {
+  warn([&](v1::SessionState&) {
+    return std::exchange(closing_, warning) != warning;
+  });
+}
+
+void LiveSession::tellDemonstrator(const v1::FollowState& said) {
+  warn([&](v1::SessionState& state) {
+    const bool is_news = state.following() != said;
+    state.following(said);
+    return is_news;
+  });
 }
 
 bool LiveSession::putFrame(v1::DemonstratorFrame frame) {

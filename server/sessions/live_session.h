@@ -150,13 +150,13 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   [[nodiscard]] SolveCycle::Clock::time_point now() const { return now_(); }
 
   [[nodiscard]] std::chrono::steady_clock::duration idle() const;
-  /// What a session is warned of while nothing else is told of it.
-  enum class Warning { kDemonstrator, kIdle };
-  /// Puts a warning, or none, of that kind into the state and tells it if it changed.
-  void warn(Warning kind, const std::string& warning);
+  /// Puts a warning that it will be closed, or none, into the state and tells it if it changed.
+  void warnOfClosing(const std::string& warning);
 
   // === A demonstrator's frames
 
+  /// Puts what is said of the newest frame into the state and tells it if it changed.
+  void tellDemonstrator(const v1::FollowState& said);
   /// Keeps the newest. True if none was waiting: somebody has to see to it then.
   bool putFrame(v1::DemonstratorFrame frame);
   std::optional<v1::DemonstratorFrame> takeFrame();
@@ -252,8 +252,11 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   PublishedState published_;
   // Of changes of `published_`.
   v1::SessionPhase resting_phase_ = v1::PHASE_OPEN;  ///< the last in which nothing was done
-  std::array<std::string, 2> warnings_;              ///< by Warning; empty: none
-  [[nodiscard]] std::string warning() const;
+  std::string closing_;                              ///< empty: it is not about to be
+  /// What the message says while nothing else is told.
+  [[nodiscard]] std::string warning(const v1::SessionState& state) const;
+  /// `changes` changes what that is made of; false: it did not.
+  void warn(const std::function<bool(v1::SessionState&)>& changes);
 };
 
 /// Nanoseconds of the system's clock.

@@ -53,11 +53,14 @@ class FollowingTest : public testing::Test {
     return frame;
   }
 
-  bool isTold(const std::string& trouble) {
+  bool isTold(const std::string& trouble, v1::FollowVerdict verdict = v1::FOLLOW_REFUSED) {
     return bus
         .await<v1::SessionState>(bus.states,
                                  [&](const v1::SessionState& state) {
-                                   return state.message().find(trouble) != std::string::npos;
+                                   return state.message().find(trouble) != std::string::npos &&
+                                          state.following().text().find(trouble) !=
+                                              std::string::npos &&
+                                          state.following().verdict() == verdict;
                                  })
         .has_value();
   }
@@ -150,7 +153,7 @@ TEST_F(FollowingTest, JointsThatSayNothingAreRefused) {
   EXPECT_TRUE(isTold("'claw'"));
   // One that is right, which begins nothing.
   bus.send(joints(0.4, {0.1}));
-  EXPECT_TRUE(isTold("of the 3 parts that a hand begins with"));
+  EXPECT_TRUE(isTold("of the 3 parts that a hand begins with", v1::FOLLOW_WAITS));
   EXPECT_EQ(bus.count(bus.solutions), 0u);
 }
 

@@ -227,9 +227,6 @@ TEST_F(MotionTest, NamesWhatIsWrong) {
   const v1::Reply of_contacts = bus.ask(test::openSession("clamp", "fruit", "marks"));
   EXPECT_THAT(bus.ask(solveMotion(of_contacts.body().session().session_id())).message(),
               HasSubstr("holds contacts, no motion"));
-  EXPECT_THAT(
-      bus.ask(exportAs(of_contacts.body().session().session_id(), v1::EXPORT_NPZ)).message(),
-      HasSubstr("format of motions"));
 }
 
 TEST_F(MotionTest, OfOneFrameIsAGrasp) {

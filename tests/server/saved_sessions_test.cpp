@@ -46,6 +46,9 @@ TEST_F(LiveEdits, ExportWhatTheyCameTo) {
   EXPECT_THAT(text(v1::EXPORT_OBJ), HasSubstr("g jaw\n"));
   EXPECT_THAT(text(v1::EXPORT_GLB), StartsWith("glTF"));
   EXPECT_THAT(text(v1::EXPORT_ISAAC_GRASP), StartsWith("format: isaac_grasp\n"));
+  EXPECT_THAT(text(v1::EXPORT_NPZ), StartsWith("PK"));
+  EXPECT_THAT(text(v1::EXPORT_MJCF), HasSubstr("<key name=\"grasp_0\" time=\"0\" qpos=\""));
+  EXPECT_THAT(text(v1::EXPORT_ROS_TRAJECTORY), HasSubstr("joint_names:\n- \"hinge\"\n"));
   EXPECT_THAT(exported(static_cast<v1::ExportFormat>(99)).message(), HasSubstr("isaac_grasp"));
 }
 

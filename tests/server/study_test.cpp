@@ -15,6 +15,7 @@ namespace handgraft::server {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
 using testing::HasSubstr;
 
 v1::HandChange change(v1::HandProperty property, const std::string& target, double value) {
@@ -171,6 +172,19 @@ TEST_F(StudyTest, SweepsALimit) {
       EXPECT_LE(row.terms().objective(), reply.rows()[i - 1].terms().objective());
     }
   }
+  // What a session of that grasp says is said of the sweep's, too.
+  const std::uint64_t session =
+      bus.ask(test::openSession("clamp", "fruit", "marks")).body().session().session_id();
+  std::vector<std::string> notes;
+  for (const v1::SweepNote& note : reply.notes()) {
+    EXPECT_EQ(note.grasp(), 0u);
+    notes.push_back(note.text());
+  }
+  EXPECT_EQ(
+      notes,
+      bus.ask(test::ofSession(v1::OP_SESSION_SETTINGS, session)).body().settings().notes());
+  EXPECT_THAT(notes, Contains(HasSubstr("little"))) << "which the clamp has no finger for";
+  bus.ask(test::ofSession(v1::OP_CLOSE_SESSION, session));
   // No session stays behind.
   EXPECT_TRUE(bus.ask(test::plain(v1::OP_LIST_SESSIONS)).body().sessions().sessions().empty());
 }

@@ -15,8 +15,8 @@
 #include <unistd.h>
 
 #include "core/base/error.h"
+#include "core/base/sanitized.h"
 #include "server/reading/sandbox.h"
-#include "server/reading/sanitized.h"
 #include "server/reading/units.h"
 
 #include "tests/server/small_grasp.h"

@@ -179,7 +179,7 @@ bool BridgeBench::arm() {
       return status.state() != v1::BRIDGE_DISCONNECTED && status.poses_accepted() > 0;
     });
     if (!now) return false;
-    if (now->state() == v1::BRIDGE_ARMED && now->powered()) return true;
+    if (now->state() == v1::BRIDGE_ARMED && now->power() == v1::POWER_ON) return true;
     if (now->state() == v1::BRIDGE_FAULT) command(v1::COMMAND_RESET);
     if (now->state() == v1::BRIDGE_IDLE || now->state() == v1::BRIDGE_HOLDING)
       command(v1::COMMAND_ARM);

@@ -55,7 +55,7 @@ class FrameWatch {
     while (!is_ending_) {
       if (bench_.rig().isPowered()) decoded_.insert(goals());
       for (const v1::JointState& state : bench_.jointStates()) {
-        if (state.state() == v1::BRIDGE_ARMED) told_.push_back(state.command_rad());
+        if (state.state() == v1::BRIDGE_ARMED) told_.push_back(state.command());
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
@@ -197,7 +197,9 @@ TEST_F(GripperOnADevice, WhoseJawTurnsInItsConfigIsNotArmed) {
   });
   ASSERT_TRUE(refused.has_value()) << bench.told();
   EXPECT_EQ(refused->last_refusal(),
-            "ARM refused: joint 'left_jaw' turns in the config and slides in its model");
+            "ARM refused: joint 'left_jaw' turns in the config and slides in its model; joint "
+            "'right_jaw' turns in the config and slides in its model");
+  EXPECT_EQ(refused->refusal(), v1::REFUSAL_OTHER_JOINTS);
   EXPECT_FALSE(bench.rig().isPowered());
 }
 
@@ -368,11 +370,12 @@ TEST_F(BridgeOnADevice, AnArmingBeforeItsTimeIsNotReplayed) {
   })) << bench.told();
   std::this_thread::sleep_for(std::chrono::seconds(1));
   EXPECT_FALSE(bench.rig().isPowered());
-  EXPECT_FALSE(bench
-                   .status([](const v1::BridgeStatus&) {
-                     return true;
-                   })
-                   ->powered());
+  EXPECT_EQ(bench
+                .status([](const v1::BridgeStatus&) {
+                  return true;
+                })
+                ->power(),
+            v1::POWER_OFF);
 }
 
 TEST_F(BridgeOnADevice, UnpluggedAndPluggedInAgainItStaysDisarmed) {

@@ -107,9 +107,9 @@ class Passing {
 
 /// Whether the bridge's target is this answer.
 bool isAt(const v1::JointState& state, const v1::PoseSolution& answer) {
-  if (state.target_rad().size() != answer.joint_positions().size()) return false;
-  for (std::size_t i = 0; i < state.target_rad().size(); ++i)
-    if (std::abs(state.target_rad()[i] - answer.joint_positions()[i]) > 1e-9) return false;
+  if (state.target().size() != answer.joint_positions().size()) return false;
+  for (std::size_t i = 0; i < state.target().size(); ++i)
+    if (std::abs(state.target()[i] - answer.joint_positions()[i]) > 1e-9) return false;
   return true;
 }
 
@@ -191,9 +191,8 @@ TEST(FollowedBridge, ADemonstratorAt120HzMovesAHand) {
     const v1::JointState& now = passing.told[k];
     if (now.sequence_number() != last.sequence_number() + 1) continue;
     double step = 0.0;
-    for (std::size_t i = 0; i < std::min(now.command_rad().size(), last.command_rad().size());
-         ++i)
-      step = std::max(step, std::abs(now.command_rad()[i] - last.command_rad()[i]));
+    for (std::size_t i = 0; i < std::min(now.command().size(), last.command().size()); ++i)
+      step = std::max(step, std::abs(now.command()[i] - last.command()[i]));
     step_rad.push_back(step);
   }
   fmt::print(

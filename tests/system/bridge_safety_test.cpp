@@ -207,7 +207,7 @@ TEST_F(TendonHandOnATty, KilledInItsHomingHasNoZerosWhenItComesBack) {
   Process homing(program("handgraft"),
                  {"bridge", "home", "--domain", std::to_string(domain.number())});
   ASSERT_TRUE(bench.status([](const v1::BridgeStatus& told) {
-    return told.reason() == "homing" && told.powered();
+    return told.homing() && told.power() == v1::POWER_ON;
   })) << bench.told();
   bench.bridge().send(SIGKILL);
   static_cast<void>(bench.bridge().wait());
@@ -266,7 +266,7 @@ TEST_F(TendonHandOnATty, WhoseAxisStopsTellingItsCurrentIsNotRunOn) {
     told_turns = axis.servo.position;
   }
   const auto ended = bench.status([](const v1::BridgeStatus& told) {
-    return told.reason() != "homing" && !told.powered() &&
+    return !told.homing() && told.power() == v1::POWER_OFF &&
            told.state() != v1::BRIDGE_DISCONNECTED;
   });
   ASSERT_TRUE(ended.has_value()) << bench.told();

@@ -104,18 +104,17 @@ class GuidedBridge : public testing::Test {
       while (at < told.size() && told[at].stamp_ns() < sent[k].stamp_ns)
         ++at;
       std::size_t j = at;
-      while (j < told.size() && (told[j].target_rad().empty() ||
-                                 (told[j].target_rad()[0] - sent[k].value) * sign < -1e-9))
+      while (j < told.size() &&
+             (told[j].target().empty() || (told[j].target()[0] - sent[k].value) * sign < -1e-9))
         ++j;
       if (j == told.size()) break;
       result.latency_ms.push_back(1e-6 *
                                   static_cast<double>(told[j].stamp_ns() - sent[k].stamp_ns));
     }
     for (std::size_t k = 1; k < told.size(); ++k) {
-      if (told[k].command_rad().empty() || told[k - 1].command_rad().empty()) continue;
+      if (told[k].command().empty() || told[k - 1].command().empty()) continue;
       if (told[k].sequence_number() != told[k - 1].sequence_number() + 1) continue;
-      result.step_rad.push_back(
-          std::abs(told[k].command_rad()[0] - told[k - 1].command_rad()[0]));
+      result.step_rad.push_back(std::abs(told[k].command()[0] - told[k - 1].command()[0]));
     }
     if (!told.empty()) result.state = told.back().message();
     fmt::print(
@@ -170,7 +169,7 @@ TEST_F(GuidedBridge, StandsThroughAPauseAndHoldsWhenTheServerIsGone) {
   EXPECT_TRUE(bench.status(v1::BRIDGE_ARMED)) << bench.told();
   bench.command(v1::COMMAND_ESTOP);
   EXPECT_TRUE(bench.status([](const v1::BridgeStatus& status) {
-    return status.state() == v1::BRIDGE_ESTOP && !status.powered();
+    return status.state() == v1::BRIDGE_ESTOP && status.power() == v1::POWER_OFF;
   })) << bench.told();
   stream(0.5, 0);
   EXPECT_FALSE(bench.rig().isPowered());

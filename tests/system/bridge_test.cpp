@@ -39,10 +39,10 @@ TEST_F(Bridge, MovesItsHandToTheSolution) {
   const auto bridge = service.start("handgraft-bridge", {});
   const v1::PoseSolution solved = session.optimize();
   const auto arrived = await(states, [&](const v1::JointState& state) {
-    if (state.position_rad().size() != solved.joint_positions().size()) return false;
+    if (state.position().size() != solved.joint_positions().size()) return false;
     double worst = 0.0;
     for (std::size_t i = 0; i < solved.joint_positions().size(); ++i) {
-      worst = std::max(worst, std::abs(state.position_rad()[i] - solved.joint_positions()[i]));
+      worst = std::max(worst, std::abs(state.position()[i] - solved.joint_positions()[i]));
     }
     return worst < 5e-3;  // rad; targets keep a margin inside the limits
   });
@@ -70,10 +70,10 @@ TEST_F(Bridge, LearnsALateSolutionOnItsOwnStart) {
   const v1::PoseSolution solved = session.optimize();
   const auto bridge = service.start("handgraft-bridge", {});  // joins late
   const auto moving = await(states, [&](const v1::JointState& state) {
-    return state.session_id() == session.id() && !state.target_rad().empty();
+    return state.session_id() == session.id() && !state.target().empty();
   });
   ASSERT_TRUE(moving.has_value()) << bridge->err();
-  EXPECT_EQ(moving->target_rad().size(), solved.joint_positions().size());
+  EXPECT_EQ(moving->target().size(), solved.joint_positions().size());
 }
 
 TEST_F(Bridge, StopsForGoodOnAnEstop) {
@@ -81,7 +81,7 @@ TEST_F(Bridge, StopsForGoodOnAnEstop) {
   const auto bridge = service.start("handgraft-bridge", {"--bridge-id", "7"});
   session.optimize();
   ASSERT_TRUE(await(states, [](const auto& s) {
-    return !s.position_rad().empty();
+    return !s.position().empty();
   }));
   v1::HandCommand command;
   command.bridge_id(7);
@@ -112,7 +112,7 @@ TEST_F(Bridge, ArmsItselfNoMoreOnceItsServerWasGone) {
   session.optimize();
   EXPECT_TRUE(await(states, [&](const v1::JointState& state) {
     EXPECT_FALSE(armed(state)) << "armed itself";
-    return state.state() == v1::BridgeState::BRIDGE_IDLE && !state.target_rad().empty();
+    return state.state() == v1::BridgeState::BRIDGE_IDLE && !state.target().empty();
   }));
   std::this_thread::sleep_for(std::chrono::seconds(1));
   states.take([&](const v1::JointState& state) {
@@ -131,7 +131,7 @@ TEST_F(Bridge, EndsCleanlyOnSigterm) {
   const auto bridge = service.start("handgraft-bridge", {});
   session.optimize();
   ASSERT_TRUE(await(states, [](const auto& s) {
-    return !s.position_rad().empty();
+    return !s.position().empty();
   }));
   bridge->send(SIGTERM);
   EXPECT_EQ(bridge->wait(), 0) << bridge->err();

@@ -13,6 +13,7 @@
 #include "client/link/client.h"
 #include "client/link/session_stream.h"
 #include "client/present/motion_result.h"
+#include "core/base/sanitized.h"
 
 #include "tests/support/shared_data.h"
 #include "tests/system/service.h"
@@ -166,7 +167,9 @@ TEST(Motion, ADemonstratorIsImportedAndFollowedLive) {
       {"motion", "solve", "--hand", "human20", "--motion", "shown", "--causal", "--keep"});
   EXPECT_LT(solved.at("max_depth_m"), 0.003);
   const std::string session = std::to_string(solved.at("session_id").get<std::uint64_t>());
-  const json followed = service.ask({"motion", "follow", session, file});
+  // A server under a sanitizer is some ten times slower; so is its demonstrator then.
+  const std::string speed = kIsSanitized ? "0.05" : "1";
+  const json followed = service.ask({"motion", "follow", session, file, "--speed", speed});
   EXPECT_EQ(followed.at("frames"), 60);
   EXPECT_GT(followed.at("answered"), 20);
   EXPECT_LT(followed.at("largest_step"), 2.0);

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/environment.h"
+#include "core/base/sanitized.h"
 #include "idl/cyclone/requester.h"
 
 #include "tests/server/small_grasp.h"
@@ -122,18 +123,11 @@ inline double percentile(std::vector<double> values, double share) {
 
 // === Disks that fail
 
-// A sanitizer's own library has to come before every other one.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool kIsSanitized = true;
-#else
-inline constexpr bool kIsSanitized = false;
-#endif
-
 /// A server whose store's writes fail as told (tests/support/failing_disk.cpp).
 class FailingDisk : public NothingLost {
  protected:
   FailingDisk() {
-    if (kIsSanitized) return;
+    if (kIsSanitized) return;  // whose own library has to come before every other one
     killServer();
     startOnFailingDisk(0);
   }

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/sanitized.h"
 #include "idl/cyclone/requester.h"
 
 #include "tests/server/small_grasp.h"
@@ -22,12 +23,6 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using idl::cyclone::Participant;
 using idl::cyclone::Requester;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsInstrumented = true;  // has to be loaded before everything else
-#else
-constexpr bool kIsInstrumented = false;
-#endif
 
 double secondsSince(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
@@ -132,7 +127,7 @@ TEST_F(Supervised, AServerThatDiesIsReplaced) {
 }
 
 TEST_F(Supervised, AServerThatDoesNotHearIsReplaced) {
-  if (kIsInstrumented)
+  if (kIsSanitized)
     GTEST_SKIP() << "a sanitizer's library has to be loaded before the one that deafens";
   startFragile();
   Worker worker(service->network());
@@ -170,7 +165,7 @@ TEST_F(Supervised, WhatCannotStartIsNotStartedAgain) {
 }
 
 TEST_F(Supervised, AServerThatDoesNotHearEndsBySIGTERMWithin10s) {
-  if (kIsInstrumented)
+  if (kIsSanitized)
     GTEST_SKIP() << "a sanitizer's library has to be loaded before the one that deafens";
   startFragile({});
   Worker worker(service->network());

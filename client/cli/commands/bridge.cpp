@@ -8,7 +8,6 @@
 #include "client/present/interruption.h"
 #include "core/base/error.h"
 #include "idl/fields.h"
-#include "idl/motor_power.h"
 
 namespace handgraft::client {
 
@@ -19,7 +18,7 @@ using Action = BridgeOptions::Action;
 constexpr std::chrono::seconds kPatience(10);
 
 bool isOff(const v1::BridgeStatus& bridge) {
-  return !bridge.powered() && bridge.state() != v1::BRIDGE_ARMED &&
+  return bridge.power() != v1::POWER_ON && bridge.state() != v1::BRIDGE_ARMED &&
          bridge.state() != v1::BRIDGE_HOLDING;
 }
 
@@ -43,15 +42,15 @@ v1::HandCommandKind kindOf(Action action) {
 bool isDone(Action action, const v1::BridgeStatus& bridge) {
   switch (action) {
     case Action::kArm:
-      return bridge.state() == v1::BRIDGE_ARMED && bridge.powered();
+      return bridge.state() == v1::BRIDGE_ARMED && bridge.power() == v1::POWER_ON;
     case Action::kDisarm:
       return isOff(bridge);
     case Action::kReset:
       return bridge.state() == v1::BRIDGE_IDLE || bridge.state() == v1::BRIDGE_DISCONNECTED;
     case Action::kHome:
-      return bridge.homed() && bridge.reason() != "homing";
+      return bridge.homed() && !bridge.homing();
     case Action::kEstop:
-      return bridge.state() == v1::BRIDGE_ESTOP && !bridge.powered();
+      return bridge.state() == v1::BRIDGE_ESTOP && bridge.power() != v1::POWER_ON;
     case Action::kStatus:
       return true;
   }
@@ -86,15 +85,15 @@ v1::BridgeStatus home(BridgeLink& link, const v1::BridgeStatus& before) {
   const std::uint32_t id = before.bridge_id();
   RefusalWatch refusals(before);
   const auto begins = [&](const v1::BridgeStatus& bridge) {
-    return bridge.reason() == "homing" || refusals.sees(bridge);
+    return bridge.homing() || refusals.sees(bridge);
   };
   v1::BridgeStatus bridge = link.command(id, v1::COMMAND_HOME, kPatience, begins);
-  if (bridge.reason() != "homing") {
+  if (!bridge.homing()) {
     throw DeviceError(
         fmt::format("bridge {}{}: {}", id, bridge.homed() ? "" : " is not homed",
                     bridge.last_refusal().empty() ? bridge.reason() : bridge.last_refusal()));
   }
-  while (bridge.reason() == "homing")
+  while (bridge.homing())
     bridge = link.news(id);
   return bridge;
 }
@@ -134,7 +133,7 @@ int run(const BridgeOptions& options, const CommonOptions& common, Interruption&
     if (!isDone(options.action, bridge)) {
       fmt::print(stderr, "handgraft: bridge {} did not do it: {}\n", bridge.bridge_id(),
                  whyNotText(bridge));
-    } else if (switches_off && !idl::isPowerKnown(bridge)) {
+    } else if (switches_off && bridge.power() == v1::POWER_UNKNOWN) {
       // Who scripts a stop must not take it for one.
       is_done = false;
       fmt::print(stderr, "handgraft: {}\n", powerNotKnownText(bridge));

@@ -4,7 +4,6 @@
 
 #include "client/present/json_output.h"
 #include "idl/fields.h"
-#include "idl/motor_power.h"
 
 namespace handgraft::client {
 
@@ -15,8 +14,8 @@ std::string age(double seconds) {
 }
 
 std::string motorsText(const v1::BridgeStatus& bridge) {
-  if (bridge.powered()) return "under power";
-  if (idl::isPowerKnown(bridge)) return "off";
+  if (bridge.power() == v1::POWER_ON) return "under power";
+  if (bridge.power() == v1::POWER_OFF) return "off";
   return bridge.state() == v1::BRIDGE_DISCONNECTED && bridge.fault() == v1::FAULT_NONE
              ? "not known whether they are off: there is no device"
              : "not known whether they are off: cut their power";

@@ -8,6 +8,7 @@
 
 #include "client/present/render/plot.h"
 #include "core/base/error.h"
+#include "core/base/quoting.h"
 #include "idl/fields.h"
 
 namespace handgraft::client {
@@ -15,20 +16,11 @@ namespace handgraft::client {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr const char* kKinds[] = {"measured_rad", "command_rad", "target_rad", "residual_rad"};
+constexpr const char* kKinds[] = {"measured", "command", "target", "residual"};
 constexpr std::size_t kKindCount = 4;
 
 std::vector<double> rowOf(const std::vector<double>& told, std::size_t joints) {
   return told.size() == joints ? told : std::vector<double>(joints, kNaN);
-}
-
-// RFC 4180: quoted if it has to be.
-std::string fieldOf(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string field = "\"";
-  for (const char c : text)
-    field += c == '"' ? "\"\"" : std::string(1, c);
-  return field + "\"";
 }
 
 std::vector<std::string> fieldsOf(const std::string& line, std::size_t number) {
@@ -71,23 +63,29 @@ std::vector<std::string> linesOf(const std::string& csv) {
   return lines;
 }
 
-std::vector<std::string> jointsOf(const std::string& heading) {
+const char* unitOf(bool slides) {
+  return slides ? "m" : "rad";
+}
+
+/// Of the heading, into `run`.
+void readJoints(const std::string& heading, BridgeRun& run) {
   const std::vector<std::string> fields = fieldsOf(heading, 1);
   const bool is_ours = fields.size() > 2 && fields[0] == "time_s" && fields[1] == "state" &&
                        (fields.size() - 2) % kKindCount == 0;
   if (!is_ours) rejectInput("line 1: it is not the heading of a bridge's run");
-  std::vector<std::string> joints;
   for (std::size_t i = 2; i < fields.size(); ++i) {
-    const std::string ending = std::string(" ") + kKinds[(i - 2) % kKindCount];
-    const bool ends = fields[i].size() > ending.size() &&
-                      fields[i].substr(fields[i].size() - ending.size()) == ending;
-    const std::string joint = ends ? fields[i].substr(0, fields[i].size() - ending.size()) : "";
     const bool is_next = (i - 2) % kKindCount == 0;
-    if (!ends || (!is_next && joint != joints.back()))
+    const std::string kind = std::string(" ") + kKinds[(i - 2) % kKindCount] + "_";
+    const bool slides = fields[i].ends_with(kind + unitOf(true));
+    const std::string ending = kind + unitOf(slides);
+    const bool ends = fields[i].size() > ending.size() && fields[i].ends_with(ending);
+    const std::string joint = ends ? fields[i].substr(0, fields[i].size() - ending.size()) : "";
+    if (!ends || (!is_next && (joint != run.joints.back() || slides != run.slides.back())))
       rejectInput("line 1: column {} is {}, not a joint's{}", i + 1, quoted(fields[i]), ending);
-    if (is_next) joints.push_back(joint);
+    if (!is_next) continue;
+    run.joints.push_back(joint);
+    run.slides.push_back(slides);
   }
-  return joints;
 }
 
 std::vector<double> columnOf(const std::vector<std::vector<double>>& rows, std::size_t joint) {
@@ -109,12 +107,13 @@ double spanOf(const std::vector<double>& values) {
   return high > low ? high - low : 0;
 }
 
-// The largest |command - measured| of all joints; NaN without power.
-std::vector<double> trackingOf(const BridgeRun& run) {
+// The largest |command - measured| of all joints of that kind; NaN without power.
+std::vector<double> trackingOf(const BridgeRun& run, bool slides) {
   std::vector<double> tracking;
   for (std::size_t k = 0; k < run.size(); ++k) {
     double worst = kNaN;
     for (std::size_t i = 0; i < run.joints.size(); ++i) {
+      if (run.slides[i] != slides) continue;
       const double off = std::abs(run.command[k][i] - run.measured[k][i]);
       if (std::isfinite(off)) worst = std::isfinite(worst) ? std::max(worst, off) : off;
     }
@@ -129,6 +128,10 @@ bool BridgeRun::add(const v1::JointState& sample) {
   if (sample.names().empty()) return false;
   if (size() == 0) {
     joints = sample.names();
+    for (const std::string& joint : joints) {
+      const std::vector<std::string>& sliding = sample.sliding();
+      slides.push_back(std::find(sliding.begin(), sliding.end(), joint) != sliding.end());
+    }
     first_ns_ = sample.stamp_ns();
   } else if (joints != sample.names() || sample.stamp_ns() <= last_ns_) {
     return false;
@@ -136,22 +139,22 @@ bool BridgeRun::add(const v1::JointState& sample) {
   last_ns_ = sample.stamp_ns();
   time_s.push_back(static_cast<double>(last_ns_ - first_ns_) * 1e-9);
   state.emplace_back(v1::nameOf(sample.state()));
-  measured.push_back(rowOf(sample.position_rad(), joints.size()));
-  command.push_back(rowOf(sample.command_rad(), joints.size()));
-  target.push_back(rowOf(sample.target_rad(), joints.size()));
-  residual.push_back(rowOf(sample.residual_rad(), joints.size()));
+  measured.push_back(rowOf(sample.position(), joints.size()));
+  command.push_back(rowOf(sample.command(), joints.size()));
+  target.push_back(rowOf(sample.target(), joints.size()));
+  residual.push_back(rowOf(sample.residual(), joints.size()));
   return true;
 }
 
 std::string toCsv(const BridgeRun& run) {
   std::string csv = "time_s,state";
-  for (const std::string& joint : run.joints) {
+  for (std::size_t i = 0; i < run.joints.size(); ++i) {
     for (const char* kind : kKinds)
-      csv += "," + fieldOf(joint + " " + kind);
+      csv += "," + csvCell(fmt::format("{} {}_{}", run.joints[i], kind, unitOf(run.slides[i])));
   }
   csv += "\n";
   for (std::size_t k = 0; k < run.size(); ++k) {
-    csv += fmt::format("{:.6f},{}", run.time_s[k], fieldOf(run.state[k]));
+    csv += fmt::format("{:.6f},{}", run.time_s[k], csvCell(run.state[k]));
     for (std::size_t i = 0; i < run.joints.size(); ++i) {
       for (const auto* rows : {&run.measured, &run.command, &run.target, &run.residual}) {
         const double value = (*rows)[k][i];
@@ -167,7 +170,7 @@ BridgeRun bridgeRunOf(const std::string& csv) {
   std::vector<std::string> lines = linesOf(csv);
   if (lines.empty()) rejectInput("line 1: it is empty");
   BridgeRun run;
-  run.joints = jointsOf(lines.front());
+  readJoints(lines.front(), run);
   if (lines.size() > 1 && csv.back() != '\n') {
     run.cut_line = lines.size();
     lines.pop_back();
@@ -197,8 +200,10 @@ render::Image drawRun(const BridgeRun& run, std::size_t most) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::vector<double> spans;
   spans.reserve(order.size());
+  // As far as it takes a fingertip that is that far from its joint.
+  constexpr double kFinger_m = 0.1;
   for (const std::size_t i : order)
-    spans.push_back(spanOf(columnOf(run.measured, i)));
+    spans.push_back(spanOf(columnOf(run.measured, i)) / (run.slides[i] ? kFinger_m : 1.0));
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return spans[a] > spans[b];
   });
@@ -221,16 +226,19 @@ render::Image drawRun(const BridgeRun& run, std::size_t most) {
   };
   for (const std::size_t i : order) {
     render::PlotPanel panel;
-    panel.label = run.joints[i] + " (rad, m if it slides)";
+    panel.label = fmt::format("{} ({})", run.joints[i], unitOf(run.slides[i]));
     panel.lines = {line(columnOf(run.target, i), 2, 1.5, "target"),
                    line(columnOf(run.command, i), 1, 3.0, "commanded"),
                    line(columnOf(run.measured, i), 0, 1.5, "measured")};
     plot.panels.push_back(std::move(panel));
   }
-  render::PlotPanel tracking;
-  tracking.label = "largest off (rad, m)";
-  tracking.lines = {line(trackingOf(run), 3, 2.0, "|commanded - measured|")};
-  plot.panels.push_back(std::move(tracking));
+  for (const bool slides : {false, true}) {
+    if (std::find(run.slides.begin(), run.slides.end(), slides) == run.slides.end()) continue;
+    render::PlotPanel tracking;
+    tracking.label = fmt::format("largest off ({})", unitOf(slides));
+    tracking.lines = {line(trackingOf(run, slides), 3, 2.0, "|commanded - measured|")};
+    plot.panels.push_back(std::move(tracking));
+  }
   return render::drawPlot(plot);
 }
 

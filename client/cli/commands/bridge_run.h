@@ -8,10 +8,11 @@
 
 namespace handgraft::client {
 
-/// What a bridge told of one hand for a while. Rad, a row a sample, a column a joint; NaN where
-/// nothing was told (no power: no command).
+/// What a bridge told of one hand for a while. Rad, m of joints that slide, a row a sample, a
+/// column a joint; NaN where nothing was told (no power: no command).
 struct BridgeRun {
   std::vector<std::string> joints;
+  std::vector<bool> slides;    ///< one per joint
   std::vector<double> time_s;  ///< since the first sample
   std::vector<std::string> state;
   std::vector<std::vector<double>> measured;
@@ -31,16 +32,17 @@ struct BridgeRun {
   std::int64_t last_ns_ = 0;
 };
 
-/// CSV with a heading: time_s, state, and of each joint measured, command, target and residual.
-/// What was not told is an empty field.
+/// CSV with a heading: time_s, state, and of each joint `NAME measured_rad`, command, target
+/// and residual, `_m` of one that slides. What was not told is an empty field.
 std::string toCsv(const BridgeRun& run);
 
 /// What `toCsv` wrote. A last line without its end was cut off, as by a full disk: it is left
 /// out and noted. Errors: InvalidInput naming the line and what is wrong with it.
 BridgeRun bridgeRunOf(const std::string& csv);
 
-/// Measured against commanded: the joints that moved most, at most `most` of them, and below
-/// them the largest difference of all. Errors: InvalidInput without samples.
+/// Measured against commanded: the joints that moved most (a jaw by 1 cm as much as a finger by
+/// 0.1 rad), at most `most` of them, and below them the largest difference of all that turn and
+/// of all that slide. Errors: InvalidInput without samples.
 render::Image drawRun(const BridgeRun& run, std::size_t most = 4);
 
 }  // namespace handgraft::client

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string_view>
-
-#include "idl/demonstrator_words.h"
 
 namespace handgraft::client {
 
@@ -15,17 +12,6 @@ namespace {
 constexpr std::chrono::milliseconds kOtherStops(750);
 // Whoever is not refused until then is followed, and what is said later is of somebody else.
 constexpr std::chrono::milliseconds kBeginning(2000);
-
-/// What a session's message says of its demonstrator; empty: nothing.
-std::string ofDemonstrator(const std::string& message) {
-  const std::size_t at = message.find(idl::kOfDemonstrator);
-  return at == std::string::npos ? "" : message.substr(at);
-}
-
-bool says(const std::string& word, std::string_view what) {
-  const std::size_t begin = std::string_view(idl::kOfDemonstrator).size();
-  return word.size() > begin && std::string_view(word).substr(begin).starts_with(what);
-}
 
 }  // namespace
 
@@ -50,18 +36,18 @@ void FollowAnswers::came(const v1::PoseSolution& solution, Clock::time_point now
   last_ = joints;
 }
 
-void FollowAnswers::said(const std::string& message, Clock::time_point now) {
-  const std::string word = ofDemonstrator(message);
+void FollowAnswers::said(const v1::FollowState& state, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   // What was said before the first frame answers somebody of before.
-  is_news_ = is_news_ || word != ofDemonstrator(said_);
-  if (!is_news_) return;
-  if (!word.empty()) said_ = word;
-  if (!begun_ || word.empty() || refusal_ || says(word, idl::kTouchesTooLittle)) return;
+  is_news_ = is_news_ || state != said_;
+  const bool says_nothing = state.verdict() == v1::FOLLOW_NOTHING_SAID;
+  if (!is_news_ || says_nothing) return;
+  said_ = state;
+  if (!begun_ || refusal_ || state.verdict() == v1::FOLLOW_WAITS) return;
   const Clock::duration since = now - *begun_;
   const bool is_ours = latency_ms_.empty() && since >= kOtherStops && since < kBeginning;
-  if (says(word, idl::kAnotherIsFollowed) && !is_ours) return;
-  refusal_ = word;
+  if (state.verdict() == v1::FOLLOW_ANOTHER && !is_ours) return;
+  refusal_ = state.text();
 }
 
 std::optional<std::string> FollowAnswers::refusal() const {
@@ -71,8 +57,7 @@ std::optional<std::string> FollowAnswers::refusal() const {
 
 std::string FollowAnswers::whyNone() const {
   const std::lock_guard lock(mutex_);
-  const std::string word = ofDemonstrator(said_);
-  return word.empty() ? "the server says nothing of why" : word;
+  return said_.text().empty() ? "the server says nothing of why" : said_.text();
 }
 
 double FollowAnswers::latency(double share) const {

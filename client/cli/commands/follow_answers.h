@@ -18,14 +18,14 @@ class FollowAnswers {
   using Clock = std::chrono::steady_clock;
 
   /// `before`: what the session said before a frame was sent.
-  explicit FollowAnswers(std::string before) : said_(std::move(before)) {}
+  explicit FollowAnswers(v1::FollowState before) : said_(std::move(before)) {}
 
   void sent(double time_s, Clock::time_point now);
   void came(const v1::PoseSolution& solution, Clock::time_point now);
   /// What the session says. That somebody else is followed refuses us where no frame of ours
   /// was answered and it is said still once whoever was followed before had time to stop; later
   /// yet it answers somebody else.
-  void said(const std::string& message, Clock::time_point now);
+  void said(const v1::FollowState& state, Clock::time_point now);
 
   /// Why the server refused frames of ours; nothing: it did not.
   [[nodiscard]] std::optional<std::string> refusal() const;
@@ -45,7 +45,7 @@ class FollowAnswers {
   std::vector<double> latency_ms_;
   std::vector<double> last_;
   double largest_step_ = 0.0;
-  std::string said_;  // of a demonstrator, last
+  v1::FollowState said_;  // last
   bool is_news_ = false;
   std::optional<std::string> refusal_;
 };

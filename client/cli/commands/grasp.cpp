@@ -56,7 +56,7 @@ void writeProblem(Client& server,
     request.urdf_path(
         writeHand(result.hand, folder, {options.out, options.png, options.problem}).string());
   }
-  writeFile(options.problem, server.exportSession(request).get());
+  writeFile(options.problem, server.exportSession(request).get().content);
 }
 
 // Makes one of the minima that `best` ranks the session's pose; the answer is that minimum as

@@ -53,13 +53,13 @@ int run(const MotionFollowOptions& options,
   tell(noteOfAnotherObject(demonstration, before));
   tell(noteOfTheOtherSide(demonstration,
                           server.describe(v1::MODEL_HAND, before.hand(), false).get().hand()));
-  FollowAnswers answers(before.message());
+  FollowAnswers answers(before.following());
   Listener listener;
   listener.on_solution = [&answers](const v1::PoseSolution& solution) {
     answers.came(solution, FollowClock::now());
   };
   listener.on_state = [&answers](const v1::SessionState& session) {
-    answers.said(session.message(), FollowClock::now());
+    answers.said(session.following(), FollowClock::now());
   };
   const Following following(server, session_id, listener);
   DemonstratorWriter writer(server, session_id);

@@ -123,18 +123,20 @@ std::vector<std::string> unitsOf(const std::vector<StudyAxis>& axes,
   return units;
 }
 
-/// The contact sets of the grasps as the server has them; of motions none.
+/// What is known of the grasps, and was said of them; of motions only what was said.
 std::vector<StudyContacts> contactsOf(Client& server,
                                       const v1::SweepRequest& request,
                                       const SweepResult& result) {
   std::vector<StudyContacts> contacts;
   for (std::size_t i = 0; i < result.grasps.size(); ++i) {
-    if (result.grasps[i].isMotion()) continue;
-    contacts.push_back(
-        {result.grasps[i].label,
-         server.describe(v1::MODEL_CONTACTS, request.grasps()[i].contacts(), false)
-             .get()
-             .contacts()});
+    StudyContacts one{result.grasps[i].label, {}};
+    if (!result.grasps[i].isMotion()) {
+      const std::string& name = request.grasps()[i].contacts();
+      one.described = server.describe(v1::MODEL_CONTACTS, name, false).get().contacts();
+    }
+    for (const v1::SweepNote& note : result.reply.notes())
+      if (note.grasp() == i) one.dealt.push_back(note.text());
+    contacts.push_back(std::move(one));
   }
   return contacts;
 }

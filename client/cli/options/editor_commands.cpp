@@ -87,9 +87,7 @@ void addExport(CLI::App& app, CommandOptions& chosen) {
   const std::string formats = fmt::format("{}, html", fmt::join(exportFormats(), ", "));
   command
       ->add_option("--format", parsed->options.format,
-                   formats +
-                       " (npz, mjcf and ros_trajectory of motions alone, which have no "
-                       "obj, isaac_grasp and problem)")
+                   formats + " (motions have no obj, isaac_grasp and problem)")
       ->required();
   command->add_option("--out", parsed->out, "The file")->required()->check(objectionToFile);
   command->callback([parsed, formats, &chosen] {

@@ -36,6 +36,8 @@ std::vector<std::string> notesOn(const v1::HandDescription& hand,
     const std::string other =
         otherSideNote(nameOf(one.described.demonstrator()), nameOf(hand.chirality()));
     if (!other.empty()) tell(other, one.label);
+    for (const std::string& note : one.dealt)
+      tell(note, one.label);
   }
   std::vector<std::string> notes = hand.notes();
   for (const auto& [note, labels] : told) {

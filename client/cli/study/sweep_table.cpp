@@ -3,22 +3,12 @@
 #include "client/cli/study/sweep_result.h"
 #include "client/present/json_output.h"
 #include "client/present/text_output.h"
+#include "core/base/quoting.h"
 #include "idl/fields.h"
 
 namespace handgraft::client {
 
 namespace {
-
-/// RFC 4180: quoted where it must be.
-std::string field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"') out += '"';
-    out += c;
-  }
-  return out + "\"";
-}
 
 std::string joined(const std::vector<std::string>& items) {
   std::string out;
@@ -38,18 +28,18 @@ json::Json rowOf(const SweepResult& result, const v1::SweepRow& row) {
 std::string csvOf(const SweepResult& result) {
   std::string out = "grasp";
   for (std::size_t a = 0; a < result.axes.size(); ++a)
-    out += "," + field(axisLabel(result, a));
+    out += "," + csvCell(axisLabel(result, a));
   out +=
       ",error,outcome,mean_mm,max_mm,normal_deg,depth_mm,self_depth_mm,patches,reached,points,"
       "objective,distance_m2,normal,prior,joints_at_limit,solve_ms";
   for (const std::string& joint : result.reply.joint_names())
-    out += "," + field(joint);
+    out += "," + csvCell(joint);
   out += "\n";
   for (const v1::SweepRow& row : result.reply.rows()) {
-    out += field(result.grasps[row.grasp()].label);
+    out += csvCell(result.grasps[row.grasp()].label);
     for (std::size_t a = 0; a < result.axes.size(); ++a)
       out += fmt::format(",{:.10g}", result.axes[a].shown(row.values()[a]));
-    out += "," + field(row.error());
+    out += "," + csvCell(row.error());
     if (!row.error().empty()) {
       out += std::string(15 + result.reply.joint_names().size(), ',') + "\n";
       continue;
@@ -60,11 +50,12 @@ std::string csvOf(const SweepResult& result) {
     out += row.patch_count() == 0 ? ",,,"
                                   : fmt::format(",{:.6g},{:.6g},{:.6g}", row.mean_mm(),
                                                 row.max_mm(), row.normal_deg());
-    out += fmt::format(",{:.4g},{:.4g},{},{},{},{:.10g},{:.10g},{:.10g},{:.10g},{},{:.4g}",
-                       1e3 * row.max_depth_m(), 1e3 * row.self_depth_m(), row.patch_count(),
-                       row.reached_count(), row.point_count(), terms.objective(),
-                       terms.distance_m2(), terms.normal(), terms.prior(),
-                       field(joined(text::limitNames(row.joints_at_limit()))), row.solve_ms());
+    out +=
+        fmt::format(",{:.4g},{:.4g},{},{},{},{:.10g},{:.10g},{:.10g},{:.10g},{},{:.4g}",
+                    1e3 * row.max_depth_m(), 1e3 * row.self_depth_m(), row.patch_count(),
+                    row.reached_count(), row.point_count(), terms.objective(),
+                    terms.distance_m2(), terms.normal(), terms.prior(),
+                    csvCell(joined(text::limitNames(row.joints_at_limit()))), row.solve_ms());
     for (const double q : row.joint_positions())
       out += fmt::format(",{:.10g}", q);
     if (row.joint_positions().empty())

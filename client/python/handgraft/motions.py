@@ -146,15 +146,15 @@ class Demonstrator:
         """Sends a frame as `send` does and waits for its pose. Raises Error with what the server says of it, if none comes."""
         while self._stream.next(0.0) is not None:
             pass  # of frames before
-        before = self._session.state()["message"]  # of a frame that was wrong, perhaps
+        before = self._session.state()["following"]  # of a frame that was wrong, perhaps
         self.send(time_s, X_WO, **hand)
         until = time.monotonic() + patience_s
         while (left := until - time.monotonic()) > 0.0:
             event = self._stream.next(min(left, 0.05))
             if event is not None and event[0] == "solution" and event[1]["time_s"] == time_s:
                 return Pose(event[1], self._session.joint_names)
-            said = self._session.state()["message"]
-            if event is None and said != before and said.startswith("demonstrator: "):
+            said = self._session.state()["following"]
+            if event is None and said != before and said["text"]:
                 break
         state = self._session.state()
         why = "the session is closed" if state["phase"] == "closed" else state["message"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import pathlib
 import time
+import warnings
 from typing import TYPE_CHECKING, Any, Iterator, Sequence
 
 import numpy as np
@@ -238,10 +239,12 @@ class Session(Edits):
     def export(self, format: str, path: str | os.PathLike[str] | None = None) -> bytes:
         """The last pose for other programs, or the last frames of a motion; written to ``path``, too.
 
-        A pose as json, csv, obj, glb, isaac_grasp, problem or html; a motion as json, csv, glb, npz, mjcf or
-        ros_trajectory (core/io/FORMATS.md).
+        A pose as json, csv, obj, glb, isaac_grasp, problem, npz, mjcf or ros_trajectory; a motion as all of these but
+        obj, isaac_grasp and problem (core/io/FORMATS.md). What the file cannot say is a warning.
         """
-        content = self._session.export({"format": format})
+        content, notes = self._session.export({"format": format})
+        for note in notes:
+            warnings.warn(f"{format}: {note}", stacklevel=2)
         if path is not None:
             pathlib.Path(path).write_bytes(content)
         return content

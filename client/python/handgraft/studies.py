@@ -29,6 +29,10 @@ class Sweep:
         self.axes = dict(axes)  #: the values of each property
         self.grasps = list(grasps)  #: names of what was grasped: a set of contacts, or a motion
         self.joint_names: list[str] = list(reply["joint_names"])
+        #: What is said of each on the hand as it is: ``notes[name]``.
+        self.notes: dict[str, list[str]] = {name: [] for name in self.grasps}
+        for note in reply["notes"]:
+            self.notes[self.grasps[note["grasp"]]].append(note["text"])
         rows = reply["rows"]
         shape = tuple(len(values) for values in self.axes.values()) + (len(self.grasps),)
 

@@ -4,18 +4,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "idl/motor_power.h"
-
 namespace handgraft::client {
 namespace {
 
 using testing::HasSubstr;
 
-v1::BridgeStatus statusOf(v1::BridgeState state, v1::BridgeFault fault = v1::FAULT_NONE) {
+v1::BridgeStatus statusOf(v1::BridgeState state,
+                          v1::MotorPower power,
+                          v1::BridgeFault fault = v1::FAULT_NONE) {
   v1::BridgeStatus bridge;
   bridge.bridge_id(1);
   bridge.hand("leap");
   bridge.state(state);
+  bridge.power(power);
   bridge.fault(fault);
   return bridge;
 }
@@ -23,42 +24,24 @@ v1::BridgeStatus statusOf(v1::BridgeState state, v1::BridgeFault fault = v1::FAU
 TEST(BridgeOutput, SaysOfNoDeviceThatIsGoneThatItsMotorsAreOff) {
   for (const v1::BridgeFault fault : {v1::FAULT_WIRE, v1::FAULT_SILENT}) {
     for (const v1::BridgeState state : {v1::BRIDGE_FAULT, v1::BRIDGE_ESTOP}) {
-      EXPECT_THAT(statusText({statusOf(state, fault)}),
+      EXPECT_THAT(statusText({statusOf(state, v1::POWER_UNKNOWN, fault)}),
                   HasSubstr("motors  not known whether they are off: cut their power"));
     }
   }
-  EXPECT_THAT(statusText({statusOf(v1::BRIDGE_DISCONNECTED)}),
+  EXPECT_THAT(statusText({statusOf(v1::BRIDGE_DISCONNECTED, v1::POWER_UNKNOWN)}),
               HasSubstr("motors  not known whether they are off: there is no device"));
 }
 
 TEST(BridgeOutput, SaysWhatADeviceThatIsThereSaysOfItsMotors) {
-  EXPECT_THAT(statusText({statusOf(v1::BRIDGE_IDLE)}), HasSubstr("motors  off"));
-  EXPECT_THAT(statusText({statusOf(v1::BRIDGE_FAULT, v1::FAULT_HARDWARE)}),
+  EXPECT_THAT(statusText({statusOf(v1::BRIDGE_IDLE, v1::POWER_OFF)}), HasSubstr("motors  off"));
+  EXPECT_THAT(statusText({statusOf(v1::BRIDGE_FAULT, v1::POWER_OFF, v1::FAULT_HARDWARE)}),
               HasSubstr("motors  off"));
-  v1::BridgeStatus armed = statusOf(v1::BRIDGE_ARMED);
-  armed.powered(true);
-  EXPECT_THAT(statusText({armed}), HasSubstr("motors  under power"));
-  v1::BridgeStatus without_hand = statusOf(v1::BRIDGE_DISCONNECTED);
-  without_hand.hand("");
-  EXPECT_THAT(statusText({without_hand}), HasSubstr("motors  off"));
-}
-
-TEST(BridgeOutput, KnowsWhoseMotorsNobodyKnowsToBeOff) {
-  for (const v1::BridgeFault fault : {v1::FAULT_WIRE, v1::FAULT_SILENT}) {
-    for (const v1::BridgeState state :
-         {v1::BRIDGE_FAULT, v1::BRIDGE_ESTOP, v1::BRIDGE_DISCONNECTED})
-      EXPECT_FALSE(idl::isPowerKnown(statusOf(state, fault)));
-  }
-  EXPECT_FALSE(idl::isPowerKnown(statusOf(v1::BRIDGE_DISCONNECTED)));
-  EXPECT_TRUE(idl::isPowerKnown(statusOf(v1::BRIDGE_IDLE)));
-  EXPECT_TRUE(idl::isPowerKnown(statusOf(v1::BRIDGE_ESTOP, v1::FAULT_HARDWARE)));
-  v1::BridgeStatus without_hand = statusOf(v1::BRIDGE_DISCONNECTED);
-  without_hand.hand("");
-  EXPECT_TRUE(idl::isPowerKnown(without_hand));
+  EXPECT_THAT(statusText({statusOf(v1::BRIDGE_ARMED, v1::POWER_ON)}),
+              HasSubstr("motors  under power"));
 }
 
 TEST(BridgeOutput, TellsOnceThatZerosAreNotKnown) {
-  v1::BridgeStatus bridge = statusOf(v1::BRIDGE_IDLE);
+  v1::BridgeStatus bridge = statusOf(v1::BRIDGE_IDLE, v1::POWER_OFF);
   bridge.reason("motors off; zeros are not known: WHY");
   bridge.last_refusal("ARM refused: zeros are not known: WHY");
   bridge.refusal(v1::REFUSAL_NOT_HOMED);

@@ -12,12 +12,17 @@ namespace {
 using std::chrono::milliseconds;
 using testing::Optional;
 
-constexpr const char* kMillimetres =
-    "demonstrator: values: to its tip 181 m; a hand has 0.05 to 0.5: millimetres?";
-constexpr const char* kAnother =
-    "demonstrator: another one is followed, until it has stopped for 500 ms";
-constexpr const char* kTooLittle =
-    "demonstrator: touches the object with 1 of the 3 parts that a hand begins with";
+v1::FollowState stateOf(v1::FollowVerdict verdict, const std::string& text) {
+  v1::FollowState state;
+  state.verdict(verdict);
+  state.text(text);
+  return state;
+}
+
+const v1::FollowState nothing_said;
+const v1::FollowState millimetres = stateOf(v1::FOLLOW_REFUSED, "demonstrator: millimetres?");
+const v1::FollowState another = stateOf(v1::FOLLOW_ANOTHER, "demonstrator: another one");
+const v1::FollowState too_little = stateOf(v1::FOLLOW_WAITS, "demonstrator: touches with 1");
 
 v1::PoseSolution answerTo(double time_s) {
   v1::PoseSolution solution;
@@ -29,57 +34,57 @@ v1::PoseSolution answerTo(double time_s) {
 class FollowAnswersTest : public testing::Test {
  protected:
   FollowAnswers::Clock::time_point start = FollowAnswers::Clock::now();
-  FollowAnswers answers{""};
+  FollowAnswers answers{nothing_said};
 };
 
 TEST_F(FollowAnswersTest, TheFirstRefusalIsKept) {
   answers.sent(0.0, start);
-  answers.said(std::string("weak grasp; ") + kMillimetres, start + milliseconds(20));
-  answers.said(kAnother, start + milliseconds(40));
-  EXPECT_THAT(answers.refusal(), Optional(std::string(kMillimetres)));
+  answers.said(millimetres, start + milliseconds(20));
+  answers.said(another, start + milliseconds(40));
+  EXPECT_THAT(answers.refusal(), Optional(millimetres.text()));
 }
 
 TEST_F(FollowAnswersTest, TouchingTooLittleIsNoRefusalAndTellsWhyNothingCame) {
   answers.sent(0.0, start);
-  answers.said(kTooLittle, start + milliseconds(20));
+  answers.said(too_little, start + milliseconds(20));
   EXPECT_FALSE(answers.refusal().has_value());
-  EXPECT_EQ(answers.whyNone(), kTooLittle);
+  EXPECT_EQ(answers.whyNone(), too_little.text());
   EXPECT_TRUE(std::isnan(answers.latency(0.5)));
 }
 
 TEST_F(FollowAnswersTest, SomebodyElseWhoIsFollowedRefusesUs) {
   answers.sent(0.0, start);
-  answers.said("", start + milliseconds(10));
-  answers.said(kAnother, start + milliseconds(20));
+  answers.said(nothing_said, start + milliseconds(10));
+  answers.said(another, start + milliseconds(20));
   EXPECT_FALSE(answers.refusal().has_value()) << "it may have stopped just now";
-  EXPECT_EQ(answers.whyNone(), kAnother);
-  answers.said("", start + milliseconds(780));
-  answers.said(kAnother, start + milliseconds(800));
-  EXPECT_THAT(answers.refusal(), Optional(std::string(kAnother)));
+  EXPECT_EQ(answers.whyNone(), another.text());
+  answers.said(nothing_said, start + milliseconds(780));
+  answers.said(another, start + milliseconds(800));
+  EXPECT_THAT(answers.refusal(), Optional(another.text()));
 }
 
 TEST_F(FollowAnswersTest, SomebodyElseWhoIsRefusedIsNoRefusalOfOurs) {
   answers.sent(0.0, start);
   answers.came(answerTo(0.0), start + milliseconds(10));
-  answers.said(kAnother, start + milliseconds(800));
+  answers.said(another, start + milliseconds(800));
   EXPECT_FALSE(answers.refusal().has_value());
-  FollowAnswers touching_nothing("");
+  FollowAnswers touching_nothing(nothing_said);
   touching_nothing.sent(0.0, start);
-  touching_nothing.said(kTooLittle, start + milliseconds(20));
-  touching_nothing.said(kAnother, start + milliseconds(2500));
+  touching_nothing.said(too_little, start + milliseconds(20));
+  touching_nothing.said(another, start + milliseconds(2500));
   EXPECT_FALSE(touching_nothing.refusal().has_value());
 }
 
 TEST_F(FollowAnswersTest, WhatWasSaidBeforeIsOfSomebodyBefore) {
-  FollowAnswers after(kMillimetres);
-  after.said(kMillimetres, start);
+  FollowAnswers after(millimetres);
+  after.said(millimetres, start);
   after.sent(0.0, start);
-  after.said(kMillimetres, start + milliseconds(10));  // it was on its way
+  after.said(millimetres, start + milliseconds(10));  // it was on its way
   EXPECT_FALSE(after.refusal().has_value());
-  EXPECT_EQ(after.whyNone(), kMillimetres) << "as far as it is known";
-  after.said("", start + milliseconds(20));
-  after.said(kMillimetres, start + milliseconds(30));
-  EXPECT_THAT(after.refusal(), Optional(std::string(kMillimetres)));
+  EXPECT_EQ(after.whyNone(), millimetres.text()) << "as far as it is known";
+  after.said(nothing_said, start + milliseconds(20));
+  after.said(millimetres, start + milliseconds(30));
+  EXPECT_THAT(after.refusal(), Optional(millimetres.text()));
 }
 
 TEST_F(FollowAnswersTest, CountsWhatWasAnsweredAndHowLate) {

@@ -25,12 +25,6 @@ v1::JointSetting joint(const std::string& name, double value, double upper, doub
   return setting;
 }
 
-TEST(ExportNotes, AreTheCommentsOfAnIsaacGrasp) {
-  EXPECT_THAT(notesIn("format: isaac_grasp\n# by hand\na: \"# note: b\"\n# note: not clear\n"),
-              ElementsAre("not clear"));
-  EXPECT_THAT(notesIn("format: isaac_grasp\n"), IsEmpty());
-}
-
 TEST(BeyondOwnLimits, IsToldOfAPoseThatGoesThere) {
   v1::SessionSettings settings;
   settings.joints() = {joint("within", 1.0, 2.0, 1.5), joint("beyond", 1.6, 2.0, 1.5)};

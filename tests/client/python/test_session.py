@@ -199,6 +199,24 @@ def test_exports_are_files(session, tmp_path):
     assert session.save().startswith("{")
 
 
+def test_a_grasp_is_exported_for_simulators(session, tmp_path):
+    """As MuJoCo's qpos: the root, the joints, the object."""
+    pose = session.solve()
+    session.export("npz", tmp_path / "grasp.npz")
+    arrays = np.load(tmp_path / "grasp.npz")
+    joints = len(arrays["joint_names"])
+    assert arrays["qpos"].shape == (1, 14 + joints)
+    assert list(arrays["joint_names"][: len(session.joint_names)]) == session.joint_names
+    np.testing.assert_allclose(arrays["qpos"][0, 7:7 + len(session.joint_names)], pose.joints, atol=1e-12)
+    np.testing.assert_allclose(arrays["qpos"][0, :3], pose.X_WH[:3, 3], atol=1e-12)
+    assert list(arrays["patch_names"]) == list(pose.patches)
+    reached = [patch.verdict == "reached" for patch in pose.patches.values()]
+    np.testing.assert_array_equal(arrays["contact"][0], np.array(reached, dtype=float))
+    assert arrays["contact_pos"].shape == (1, len(reached), 3)
+    numbers = session.export("mjcf").decode().split('qpos="')[1].split('"')[0].split()
+    np.testing.assert_allclose(np.array(numbers, dtype=float), arrays["qpos"][0], atol=1e-8)
+
+
 def test_ctrl_c_ends_a_wait_and_the_work(domain, server):
     program = (
         "import handgraft\n"

@@ -28,6 +28,7 @@ def test_a_sweep_has_an_axis_a_property_and_one_of_grasps(swept):
         assert sweep.joints[k, :, :, column].max() <= upper + 1e-9
     assert (sweep.reached <= sweep.patches).all()
     assert sweep.depth_m.max() < 0.003
+    assert any("contacts go to" in note for note in sweep.notes["lemon_6"]), "three fingers for five"
 
 
 def test_the_best_reaches_most(swept):

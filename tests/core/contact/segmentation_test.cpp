@@ -236,6 +236,20 @@ TEST(Segment, TellsContactOnAnotherScale) {
   EXPECT_THAT(segment(map, options).notes, testing::IsEmpty());
 }
 
+TEST(Segment, TellsContactBelowZero) {
+  ContactMap map = emptyMap();
+  touchDisk(map, 0.0, 0.0, 0.012);
+  const ContactSet plain = segment(map, {});
+  map.value[0] = -5.0;
+  map.value[1] = -1e-15;
+  const ContactSet set = segment(map, {});
+  EXPECT_THAT(set.notes, ElementsAre(HasSubstr("1 of ")));
+  EXPECT_THAT(set.notes.front(), HasSubstr("down to -5; it counts as none"));
+  ASSERT_EQ(set.patches.size(), plain.patches.size());
+  EXPECT_EQ(positionOf(map.mesh_O, set.patches.front().root),
+            positionOf(map.mesh_O, plain.patches.front().root));
+}
+
 /// Two peaks of 1, 30 mm apart, with 0.5 between them.
 ContactMap twoPeaks() {
   ContactMap map = emptyMap();

@@ -9,6 +9,7 @@
 #include "core/io/file_mesh.h"
 #include "core/io/grasp_writer.h"
 #include "core/io/mesh_file.h"
+#include "core/io/row_writer.h"
 #include "core/io/scene_writer.h"
 
 #include "tests/support/shared_data.h"
@@ -232,6 +233,37 @@ TEST(GraspExport, IsaacFileHasNoExponents) {
   const std::string text = isaacGraspYaml(bentGrasp(), 0.0, bentGrasp().model->restPose());
   EXPECT_NE(text.find("0.000010000000"), std::string::npos);
   EXPECT_EQ(text.find("e-"), std::string::npos) << text;
+}
+
+TEST(GraspExport, RowsAreOneFrameAtRestInTheWorld) {
+  const PosedGrasp grasp = bentGrasp();
+  const TrajectoryRows rows = rowsOf(grasp);
+  const std::vector<JointValue> joints = jointValues(*grasp.model, grasp.pose.q);
+  ASSERT_EQ(rows.qpos.cols(), 1);
+  ASSERT_EQ(rows.qpos.rows(), 14 + static_cast<Eigen::Index>(joints.size()));
+  EXPECT_EQ(rows.qvel.norm(), 0.0);
+  EXPECT_EQ(rows.time_s, std::vector<double>{0.0});
+  const auto pose = [&](Eigen::Index at) {
+    const Eigen::VectorXd q = rows.qpos.col(0);
+    return Eigen::Translation3d(q.segment<3>(at)) *
+           Eigen::Quaterniond(q[at + 3], q[at + 4], q[at + 5], q[at + 6]);
+  };
+  EXPECT_TRUE(pose(0).isApprox(grasp.pose.X_WH, 1e-12));
+  EXPECT_TRUE(pose(rows.qpos.rows() - 7).isApprox(grasp.X_WO, 1e-12));
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    EXPECT_EQ(rows.joint_names[i], joints[i].name);
+    EXPECT_EQ(rows.qpos(7 + static_cast<Eigen::Index>(i), 0), joints[i].value);
+  }
+}
+
+TEST(GraspExport, ContactsMustBeThoseOfAllRows) {
+  const TrajectoryRows rows = rowsOf(bentGrasp());
+  ContactRows contacts{{"index"}, {1.0}, {0.0, 0.1, 0.2}};
+  const std::string bytes = npzOf(rows, contacts);
+  for (const char* array : {"qpos.npy", "qvel.npy", "contact.npy", "contact_pos.npy"})
+    EXPECT_NE(bytes.find(array), std::string::npos) << array;
+  contacts.p_W_m.pop_back();
+  EXPECT_THROW((void)npzOf(rows, contacts), BrokenContract);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "core/base/error.h"
+#include "core/base/sanitized.h"
 
 namespace handgraft::test {
 
@@ -98,11 +99,7 @@ Reading readApart(const std::function<void()>& read) {
 }
 
 bool canMeasureMemory() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  return false;
-#else
-  return true;
-#endif
+  return !kIsSanitized;
 }
 
 void expectRefused(const std::filesystem::path& path,

@@ -8,6 +8,7 @@
 #include <malloc.h>
 
 #include "core/base/error.h"
+#include "core/base/sanitized.h"
 #include "core/verdict/fit_check.h"
 
 #include "tests/core/session/lemon_models.h"
@@ -49,9 +50,8 @@ double editedAtRandom(const SessionModels& models, unsigned seed, int count) {
 }
 
 void expectSmall(const SessionModels& models) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "a sanitizer has an allocator of its own, which mallinfo2 does not know";
-#endif
+  if (kIsSanitized)
+    GTEST_SKIP() << "a sanitizer has an allocator of its own, which mallinfo2 does not know";
   // What all sessions on these models share is made by the first one.
   editedAtRandom(models, 1, 900);
   const double some_kib = editedAtRandom(models, 1, 300);

@@ -28,7 +28,7 @@ std::vector<SweepRow> sweepOf(const std::vector<SweepGrasp>& grasps,
                               int threads = 1) {
   SweepOptions options;
   options.threads = threads;
-  return sweep(BallGrasp().hand(), grasps, axes, options, Progress());
+  return sweep(BallGrasp().hand(), grasps, axes, options, Progress()).rows;
 }
 
 const SweepPatch& patchOf(const SweepRow& row, const std::string& name) {

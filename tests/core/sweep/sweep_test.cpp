@@ -30,7 +30,7 @@ std::vector<SweepGrasp> twoGrasps() {
 std::vector<SweepRow> sweepOf(const std::vector<SweepAxis>& axes, int threads = 1) {
   SweepOptions options;
   options.threads = threads;
-  return sweep(BallGrasp().hand(), twoGrasps(), axes, options, Progress());
+  return sweep(BallGrasp().hand(), twoGrasps(), axes, options, Progress()).rows;
 }
 
 void expectSame(const SweepRow& a, const SweepRow& b) {
@@ -59,9 +59,10 @@ TEST(Sweep, OfNothingIsTheHandAsItIs) {
 TEST(Sweep, TellsHowDeepEachAnswerIs) {
   SweepOptions options;
   const SweepRow kept_out =
-      sweep(BallGrasp().hand(), twoGrasps(), {}, options, Progress()).front();
+      sweep(BallGrasp().hand(), twoGrasps(), {}, options, Progress()).rows.front();
   options.solving.avoid_penetration = false;
-  const SweepRow row = sweep(BallGrasp().hand(), twoGrasps(), {}, options, Progress()).front();
+  const SweepRow row =
+      sweep(BallGrasp().hand(), twoGrasps(), {}, options, Progress()).rows.front();
   session::Session session = BallGrasp().open();
   const optimize::SolveReport report =
       session.solve(options.solving, session::SolveRun(), Progress()).report;
@@ -209,7 +210,7 @@ TEST(Sweep, NoRowIsWorseThanASessionOnSuchAHand) {
                                        {HandProperty::kLength, "index_lower", {0.5, 0.7, 1.6}},
                                        {HandProperty::kSize, "", {0.7, 1.4}}};
   for (const SweepAxis& axis : axes) {
-    for (const SweepRow& row : sweep(hand, grasps, {axis}, {}, Progress())) {
+    for (const SweepRow& row : sweep(hand, grasps, {axis}, {}, Progress()).rows) {
       ASSERT_EQ(row.error, "");
       const session::Solution anew =
           solutionOn(hand, grasps[static_cast<std::size_t>(row.grasp)],
@@ -238,9 +239,10 @@ TEST(Sweep, AHandAndAnObjectOfTwiceTheSizeFitAlike) {
   options.weights.normal = 0.0;
   options.weights.prior = 0.0;
   const SweepRow small =
-      sweep(grasp.hand(), {{grasp.ball, grasp.contacts}}, {}, options, Progress())[0];
+      sweep(grasp.hand(), {{grasp.ball, grasp.contacts}}, {}, options, Progress()).rows[0];
   const SweepRow twice = sweep(grasp.hand(), {{large.ball, large.contacts}},
-                               {{HandProperty::kSize, "", {2.0}}}, options, Progress())[0];
+                               {{HandProperty::kSize, "", {2.0}}}, options, Progress())
+                             .rows[0];
   ASSERT_EQ(twice.error, "");
   EXPECT_EQ(twice.point_count, small.point_count);
   // But for the margin that they are kept apart by, which does not grow with them.
@@ -268,7 +270,8 @@ TEST(Sweep, AGraspThatCannotBeSolvedLeavesTheOthersAlone) {
   grasps[0].contacts.patches.resize(1);
   const std::vector<SweepRow> rows =
       sweep(BallGrasp().hand(), grasps, {{HandProperty::kUpper, "thumb_1", {0.2, 0.8}}}, {},
-            Progress());
+            Progress())
+          .rows;
   EXPECT_THAT(rows[0].error, HasSubstr("heel"));
   EXPECT_THAT(rows[2].error, HasSubstr("heel"));
   EXPECT_EQ(rows[1].error, "");
@@ -302,14 +305,16 @@ TEST(Sweep, KeepsItsRowsOutOfTheObject) {
   const auto rows =
       sweep(BallGrasp().hand(), twoGrasps(),
             {{HandProperty::kUpper, "thumb_1", {1.0}}, {HandProperty::kSize, "", {1.0, 1.2}}},
-            options, Progress());
+            options, Progress())
+          .rows;
   options.solving.avoid_penetration = false;
   for (const SweepRow& row : rows) {
     EXPECT_EQ(row.error, "");
     // As if a place of a square centimetre lay half a millimetre deep.
     EXPECT_LT(row.terms.penetration, 10.0 * 5e-4 * 5e-4);
   }
-  for (const SweepRow& row : sweep(BallGrasp().hand(), twoGrasps(), {}, options, Progress()))
+  for (const SweepRow& row :
+       sweep(BallGrasp().hand(), twoGrasps(), {}, options, Progress()).rows)
     EXPECT_EQ(row.terms.penetration, 0.0) << "nobody looked";
 }
 

@@ -125,6 +125,23 @@ TEST(HandPlan, AJointThatSlidesInTheModelAndTurnsInTheConfigIsTold) {
               HasSubstr("joint 'jaw' may go from 0 to 0.0405 m, its model from 0 to 0.04"));
 }
 
+TEST(HandPlan, AFollowerThatSlidesInTheModelAndTurnsInTheConfigIsTold) {
+  v1::HandDescription model = handOf("gripper", {joint("jaw", 0, 1)});
+  v1::MimicInfo follower;
+  follower.joint("other jaw");
+  follower.kind(v1::JOINT_PRISMATIC);
+  follower.source("jaw");
+  follower.multiplier(0.02);
+  model.mimics({follower});
+  config::HandConfig config;
+  config.governor.names = {"jaw", "other jaw"};
+  config.governor.limits = {{.lower = 0, .upper = 1}, {.lower = 0, .upper = 0.02}};
+  EXPECT_EQ(kindsThatDiffer(model, config),
+            "joint 'other jaw' turns in the config and slides in its model");
+  config.governor.limits[1].slides = true;
+  EXPECT_EQ(kindsThatDiffer(model, config), "");
+}
+
 TEST(HandPlan, AFollowerThatFollowsOtherwiseThanInTheModelIsTold) {
   v1::HandDescription model = handOf("h", {joint("a", 0, 1.5)});
   const auto mimic = [](const char* of, const char* source, double multiplier, double offset) {

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/sanitized.h"
+
 #include "tests/hardware/bridge/hand_in_motion.h"
 #include "tests/hardware/config/config_texts.h"
 #include "tests/hardware/safety/ledger.h"
@@ -24,11 +26,7 @@ using test::HandInMotion;
 
 // A million over the five hands, without those that have no power. Sanitizers look for
 // something else, and are ten times slower.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kTicks = 23'000;
-#else
-constexpr int kTicks = 230'000;
-#endif
+constexpr int kTicks = kIsSanitized ? 23'000 : 230'000;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Steps, reversals, noise, rubbish and dropouts of a stream; an operator who arms, disarms,

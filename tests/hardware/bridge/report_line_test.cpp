@@ -28,7 +28,7 @@ TEST(ReportLine, SaysStateAndMessageToPeople) {
 TEST(ReportLine, IsOneLineOfJson) {
   EXPECT_EQ(jsonLine(report()),
             R"({"message":"following session 3","state":"armed","session_id":3,"hand":"tiny",)"
-            R"("names":["a","b"],"position_rad":[0.25,null],"target_rad":[0.5,-1.0]})");
+            R"("names":["a","b"],"position":[0.25,null],"target":[0.5,-1.0]})");
 }
 
 TEST(ReportLine, StaysValidWhateverTheHandIsCalled) {

@@ -206,10 +206,10 @@ TEST_F(RosWire, ServicesHaveNoSuccessWhereNobodyKnowsWhetherMotorsAreOff) {
       other, {asked.c_str(), idl::Qos::kService, idl::kRosTriggerHash});
   idl::cyclone::Reader<std_srvs::srv::dds_::Trigger_Response_> replies(
       other, {told.c_str(), idl::Qos::kService, idl::kRosTriggerHash});
-  const auto successOf = [&](v1::BridgeFault fault, std::int64_t number) {
+  const auto successOf = [&](v1::MotorPower power, std::int64_t number) {
     v1::BridgeStatus status;
     status.state(v1::BRIDGE_ESTOP);
-    status.fault(fault);
+    status.power(power);
     std_srvs::srv::dds_::Trigger_Request_ request;
     request.client_guid(4711);
     request.sequence_number(number);
@@ -225,9 +225,8 @@ TEST_F(RosWire, ServicesHaveNoSuccessWhereNobodyKnowsWhetherMotorsAreOff) {
     }
     return success;
   };
-  EXPECT_EQ(successOf(v1::FAULT_NONE, 1), true);
-  EXPECT_EQ(successOf(v1::FAULT_WIRE, 2), false);
-  EXPECT_EQ(successOf(v1::FAULT_SILENT, 3), false);
+  EXPECT_EQ(successOf(v1::POWER_OFF, 1), true);
+  EXPECT_EQ(successOf(v1::POWER_UNKNOWN, 2), false);
 }
 
 TEST_F(RosWire, TheTypeIsNamedAsRosNamesIt) {

@@ -28,14 +28,14 @@ TEST(Telemetry, TellsWhatIsMeasuredAndWhatWasSentUnderPowerAlone) {
   state.command = {0.25, 0.75};
   const v1::JointState idle = jointState({}, joint_names, state, 7, nanoseconds(5));
   EXPECT_EQ(idle.names(), joint_names);
-  EXPECT_EQ(idle.position_rad(), state.position);
-  EXPECT_TRUE(idle.command_rad().empty()) << "nothing was sent";
-  EXPECT_TRUE(idle.target_rad().empty()) << "no pose yet";
+  EXPECT_EQ(idle.position(), state.position);
+  EXPECT_TRUE(idle.command().empty()) << "nothing was sent";
+  EXPECT_TRUE(idle.target().empty()) << "no pose yet";
   state.is_powered = true;
   state.stream = 1;
   const v1::JointState moving = jointState({}, joint_names, state, 8, nanoseconds(5));
-  EXPECT_EQ(moving.command_rad(), state.command);
-  EXPECT_EQ(moving.target_rad(), state.target);
+  EXPECT_EQ(moving.command(), state.command);
+  EXPECT_EQ(moving.target(), state.target);
   EXPECT_EQ(moving.sequence_number(), 8);
 }
 
@@ -44,7 +44,44 @@ TEST(Telemetry, AHandThatIsNotThereHasNoPose) {
   state.is_connected = false;
   const v1::JointState message = jointState({}, joint_names, state, 1, nanoseconds(5));
   EXPECT_TRUE(message.names().empty());
-  EXPECT_TRUE(message.position_rad().empty());
+  EXPECT_TRUE(message.position().empty());
+}
+
+TEST(Telemetry, TellsWhichJointsSlide) {
+  BridgeIdentity identity;
+  identity.sliding = {"b"};
+  const v1::JointState told = jointState(identity, joint_names, measured(), 1, nanoseconds(5));
+  EXPECT_EQ(told.sliding(), identity.sliding);
+}
+
+TEST(Telemetry, OfADeviceThatIsGoneOrSilentNobodyKnowsWhetherItsMotorsAreOff) {
+  BridgeIdentity identity;
+  identity.hand = "leap";
+  const auto told = [&](GovernorState state, FaultCause fault, bool is_powered = false) {
+    MotionState motion = measured();
+    motion.state = state;
+    motion.fault = fault;
+    motion.is_powered = is_powered;
+    return bridgeStatus(identity, motion, nanoseconds(5)).power();
+  };
+  for (const FaultCause fault : {FaultCause::kDeviceLost, FaultCause::kDeviceSilent}) {
+    for (const GovernorState state :
+         {GovernorState::kFault, GovernorState::kEStop, GovernorState::kDisconnected})
+      EXPECT_EQ(told(state, fault), v1::POWER_UNKNOWN);
+  }
+  EXPECT_EQ(told(GovernorState::kDisconnected, FaultCause::kNone), v1::POWER_UNKNOWN);
+  EXPECT_EQ(told(GovernorState::kIdle, FaultCause::kNone), v1::POWER_OFF);
+  EXPECT_EQ(told(GovernorState::kEStop, FaultCause::kStaysOn), v1::POWER_OFF);
+  EXPECT_EQ(told(GovernorState::kArmed, FaultCause::kNone, true), v1::POWER_ON);
+  identity.hand = "";  // and no motors yet
+  EXPECT_EQ(told(GovernorState::kDisconnected, FaultCause::kNone), v1::POWER_OFF);
+}
+
+TEST(Telemetry, TellsThatZerosAreSought) {
+  MotionState state = measured();
+  EXPECT_FALSE(bridgeStatus({}, state, nanoseconds(5)).homing());
+  state.is_homing = true;
+  EXPECT_TRUE(bridgeStatus({}, state, nanoseconds(5)).homing());
 }
 
 TEST(Telemetry, RosLeavesUnknownVelocitiesOut) {

@@ -41,5 +41,14 @@ TEST(StudyNotes, TellWhatIsOfAllOnceAndNameTheOthers) {
       ElementsAre("its skin crosses itself", "scanned", "cup: open"));
 }
 
+TEST(StudyNotes, TellWhichFingerTookWhat) {
+  StudyContacts cup = contactsOf("cup", v1::CHIRALITY_UNKNOWN, {"scanned"});
+  cup.dealt = {"scanned", "patch 'ring' is left out: the hand has no such finger"};
+  EXPECT_THAT(
+      notesOn(rightHand(), {cup, contactsOf("box", v1::CHIRALITY_UNKNOWN, {"scanned"})}),
+      ElementsAre("its skin crosses itself", "scanned",
+                  "cup: patch 'ring' is left out: the hand has no such finger"));
+}
+
 }  // namespace
 }  // namespace handgraft::client

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace handgraft::server {
+namespace handgraft {
 
 /// Whether this was built with a sanitizer that needs addresses and system calls of its own.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -12,4 +12,4 @@ inline constexpr bool kIsSanitized =
 inline constexpr bool kIsSanitized = false;
 #endif
 
-}  // namespace handgraft::server
+}  // namespace handgraft
