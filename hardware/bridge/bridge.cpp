@@ -123,6 +123,7 @@ struct Bridge::Impl {
     takeSamples(now);
     passPose(now);
     const MotionState* news = motion ? motion->take() : nullptr;
+    seeWhetherArmed();
     armIfWilling(now);
     remark(now);
     publish(news, now);
@@ -160,7 +161,7 @@ struct Bridge::Impl {
       own_refusal.note(v1::REFUSAL_OTHER_JOINTS, why);
       return say(why);
     }
-    if (kind == v1::COMMAND_ARM) is_willing = !options.config && options.arms_itself;
+    is_asked_to_arm = kind == v1::COMMAND_ARM;
     if (kind == v1::COMMAND_DISARM || kind == v1::COMMAND_ESTOP) is_willing = false;
     if (!motion) {
       own_refusal.note(v1::REFUSAL_NO_HAND, "refused: no hand yet");
@@ -311,6 +312,8 @@ struct Bridge::Impl {
     }
     while (const std::optional<std::uint64_t> left = feed.takeLeft())
       tellPassedOver(PassedOver::leftByDemonstrator(*left));
+    while (const std::optional<std::uint64_t> beside = feed.takeBeside())
+      tellPassedOver(PassedOver::besideAnother(*beside, feed.session()));
     tellWhetherLeft(now);
     if (options.config) {
       compareWithModel();
@@ -384,6 +387,13 @@ struct Bridge::Impl {
     // Until the next pose there is nothing new to say.
     say(refusal);
     waiting.reset();
+  }
+
+  /// An ARM that was obeyed makes it willing again; one that was refused moves nothing later.
+  void seeWhetherArmed() {
+    if (!is_asked_to_arm || state().state != GovernorState::kArmed) return;
+    is_asked_to_arm = false;
+    is_willing = !options.config && options.arms_itself;
   }
 
   void armIfWilling(Clock::time_point now) {
@@ -485,7 +495,8 @@ struct Bridge::Impl {
   Clock::time_point start{};
 
   bool server_is_there = false, has_met_server = false, has_missed_server = false;
-  bool is_willing = false;  // to arm by itself
+  bool is_willing = false;       // to arm by itself
+  bool is_asked_to_arm = false;  // by the last command
   bool has_armed_itself = false;
   bool is_left = false;                     // by a demonstrator who was followed
   bool arrived = false;                     // at the newest pose, and said so

@@ -39,6 +39,14 @@ class PassedOver {
         session);
   }
 
+  /// It streams, and began to before the one that is followed.
+  static std::string besideAnother(std::uint64_t session, std::uint64_t followed) {
+    return fmt::format(
+        "session {0} streams, too: passed over, since session {1} began to after it; to follow "
+        "it, close session {1} or name it (--session {0})",
+        session, followed);
+  }
+
   /// Whether that has to be said: once, since each edit there publishes its session anew.
   bool see(const std::string& text) {
     last_ = text;

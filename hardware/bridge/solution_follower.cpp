@@ -87,7 +87,10 @@ void SolutionFollower::see(const v1::PoseSolution& solution, std::int64_t writte
                          solution.sequence_number() <= session.last_number &&
                          stamp_ns <= session.last_stamp;
   if (is_repeat) return;
-  if (!session.has_streamed) session.first_stamp = stamp_ns;
+  const bool is_live = !solution.time_s().empty();
+  if (!session.has_streamed || (is_live && stamp_ns - session.live_ns > kSilence))
+    session.first_stamp = stamp_ns;
+  if (is_live) session.live_ns = stamp_ns;
   session.has_streamed = true;
   session.last_number = solution.sequence_number();
   session.last_stamp = stamp_ns;
@@ -102,6 +105,10 @@ std::optional<std::uint64_t> SolutionFollower::takeKept() {
 
 std::optional<std::uint64_t> SolutionFollower::takeLeft() {
   return takeTold(&Session::is_left_by_demonstrator);
+}
+
+std::optional<std::uint64_t> SolutionFollower::takeBeside() {
+  return takeTold(&Session::is_beside);
 }
 
 std::optional<std::uint64_t> SolutionFollower::takeTold(bool Session::*is_to_be_told) {
@@ -174,7 +181,9 @@ std::optional<FollowedPose> SolutionFollower::take(std::optional<std::int64_t> s
   // What was passed over is not kept for later: a session taken up again starts with a new
   // pose.
   for (auto& [id, session] : sessions_) {
-    if (followed_ != 0 && id != followed_ && session.state) session.newest.reset();
+    if (followed_ == 0 || id == followed_ || !session.state) continue;
+    session.is_beside = session.is_beside || (hasPose(session) && !session.is_closed);
+    session.newest.reset();
   }
   const auto found = sessions_.find(followed_);
   if (found == sessions_.end()) return std::nullopt;

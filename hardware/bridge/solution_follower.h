@@ -40,8 +40,8 @@ struct FollowedPose {
 /// its own stamp counts only of the session given, or the one that was followed before. Others
 /// begin to stream when somebody edits, solves or plays them.
 ///
-/// Timed samples that come after a silence of a second begin to stream then: whoever plays a
-/// session means it.
+/// Timed samples, and poses that answer a demonstrator, that come after a silence of a second
+/// begin to stream then: whoever plays a session, or is followed there, means it.
 ///
 /// A pose that answers a demonstrator's frame is worth something while it is fresh: one that
 /// was written more than a second ago says where somebody was who has gone, and is passed over,
@@ -63,6 +63,10 @@ class SolutionFollower {
 
   /// The same of one that stands where its demonstrator left it.
   std::optional<std::uint64_t> takeLeft();
+
+  /// An open session that streams, too, and began to before the one followed; told as often as
+  /// it does.
+  std::optional<std::uint64_t> takeBeside();
 
   /// Timed samples of this session come, first at `stamp_ns`: they count as its stream, beside
   /// its poses. The hand's name if it is the session followed, now or from now on; null if its
@@ -96,12 +100,14 @@ class SolutionFollower {
     std::int64_t last_stamp = 0;
     std::int64_t written_ns = 0;  // the newest pose
     std::int64_t heard_ns = 0;    // the newest timed sample
+    std::int64_t live_ns = 0;     // the newest answer to a demonstrator
     std::uint64_t last_number = 0;
     std::uint64_t hand_since = 0;  // the first revision known to be of this hand
     bool is_left = false;          // it was of another hand when last heard of
     bool is_closed = false;
     bool is_kept = false;  // it stands as a store kept it, and that is not told yet
     bool is_left_by_demonstrator = false;  // likewise
+    bool is_beside = false;                // it streams, and another one is followed
     bool is_history = false;               // closed before we ever saw it open
     std::uint64_t last_seen = 0;
   };

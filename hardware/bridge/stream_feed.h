@@ -50,6 +50,8 @@ class StreamFeed {
 
   std::optional<std::uint64_t> takeLeft() { return follower_.takeLeft(); }
 
+  std::optional<std::uint64_t> takeBeside() { return follower_.takeBeside(); }
+
   /// Of the session followed, from its server after a restart: the upper half of a pose's
   /// number tells the server's lives apart (idl/TOPICS.md).
   [[nodiscard]] bool isAnew(const v1::PoseSolution& solution) const;

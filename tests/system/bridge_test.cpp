@@ -107,6 +107,13 @@ TEST_F(Bridge, ArmsItselfNoMoreOnceItsServerWasGone) {
   ASSERT_TRUE(await(states, [](const v1::JointState& state) {
     return state.state() == v1::BridgeState::BRIDGE_IDLE;
   }));
+  // Refused now, it moves nothing when poses come again.
+  v1::HandCommand command;
+  command.bridge_id(1);
+  command.kind(v1::HandCommandKind::COMMAND_ARM);
+  command.command_id(10);
+  commands.write(command);
+  ASSERT_TRUE(bridge->waitForText("ARM refused")) << bridge->err();
   service.server().send(SIGCONT);
   ASSERT_TRUE(bridge->waitForText("server found"));
   session.optimize();
@@ -118,10 +125,6 @@ TEST_F(Bridge, ArmsItselfNoMoreOnceItsServerWasGone) {
   states.take([&](const v1::JointState& state) {
     EXPECT_FALSE(armed(state)) << "armed itself";
   });
-  // An ARM repeated until it is obeyed: the pose may have been late.
-  v1::HandCommand command;
-  command.bridge_id(1);
-  command.kind(v1::HandCommandKind::COMMAND_ARM);
   command.command_id(11);
   commands.write(command);
   EXPECT_TRUE(await(states, armed)) << bridge->err();

@@ -225,6 +225,30 @@ TEST(SolutionFollower, FollowsWhatBeginsToBePlayed) {
   EXPECT_EQ(follower.hear(4, kBegin + 700'000'000), nullptr) << "5 began last";
 }
 
+// Whoever is followed anew means it, though another session began to stream in between.
+TEST(SolutionFollower, ComesBackToASessionWhoseDemonstratorComesBack) {
+  SolutionFollower follower({}, false);
+  for (const std::uint64_t id : {4, 5})
+    follower.see(sessionState(id, "hand", two_joints));
+  std::uint64_t number = 0;
+  const auto live = [&](std::uint64_t id, std::int64_t at_ns) {
+    v1::PoseSolution answer = solution(id, ++number, {0.1, 0.2});
+    answer.stamp_ns(at_ns);
+    answer.time_s({1e-9 * static_cast<double>(at_ns)});
+    follower.see(answer, at_ns);
+    const auto taken = follower.take(at_ns);
+    return taken ? taken->session_id : 0;
+  };
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  EXPECT_EQ(live(4, 10 * kSecond), 4u);
+  EXPECT_EQ(live(5, 12 * kSecond), 5u);
+  EXPECT_EQ(live(4, 14 * kSecond), 4u) << "after a silence";
+  EXPECT_EQ(live(5, 14 * kSecond + 1), 5u) << "likewise";
+  EXPECT_EQ(live(4, 14 * kSecond + 2), 0u) << "both go on, and 5 began last";
+  EXPECT_EQ(follower.takeBeside(), 4u);
+  EXPECT_FALSE(follower.takeBeside());
+}
+
 TEST(SolutionFollower, GoesOnWithItsOwnSessionOutOfAStore) {
   constexpr std::int64_t kLongAfter = 3'600'000'000'000;
   SolutionFollower follower({}, false);
