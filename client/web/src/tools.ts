@@ -46,8 +46,7 @@ const kPalmHold = 30; // it stays where it was put, turned so, too, until it is 
 const kRaw_ms = 12; // between two of a pointer's moves that are looked at
 const kKeyStep_m = 0.002;
 const kKeyTurn = Math.PI / 60;
-const kMotionHold = 1; // of a finger in a motion: nothing else would keep it there
-const kFreeHold = 0; // weight of a finger that is dragged: it may go where contacts want it, afterwards
+const kFingerHold = 1; // of a part of the hand, until it is let go: contacts would have it back at once, too
 
 interface Held {
   pointer: number;
@@ -169,7 +168,7 @@ export class Tools {
       case 'patches':
         return 'Drag a coloured dot over the hand: the contact is laid there, and the hand follows.';
       case 'fingers':
-        return 'Drag any part of the hand: it goes there, the other contacts give way.';
+        return 'Drag any part of the hand: it goes there, the contacts give way. It stays there until you let it go.';
       case 'object':
         return 'Drag the arrows to move the object; “Turn” turns it. Arrow keys move it, with Shift they turn it.';
       case 'palm':
@@ -345,7 +344,7 @@ export class Tools {
       move: (toX, toY) => {
         const to = this.stage.rayAt(toX, toY).ray.intersectPlane(plane, new Vector3());
         if (to === null) return;
-        drag.move(edits.drag(link.name, p_L, to.toArray(), this.session.motion === null ? kFreeHold : kMotionHold));
+        drag.move(edits.drag(link.name, p_L, to.toArray(), kFingerHold));
         this.told.onMoved();
       },
       end: () => this.letGo(),

@@ -105,7 +105,8 @@ export interface JointSetting {
   model_lower: Extended;
   model_upper: Extended;
   locked: boolean;
-  soft: boolean;
+  soft: boolean; // held at `prior`
+  prior: number;
 }
 
 export interface SessionSettings {

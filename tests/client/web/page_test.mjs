@@ -124,9 +124,28 @@ const tests = {
     });
     assert.ok(at, 'a finger is seen');
     const box = await (await page.$('canvas')).boundingBox();
+    // How far what was gripped is from where the pointer let it go, in pixels.
+    const missed = () => page.evaluate(([x, y]) => {
+      const { stage, session, view } = globalThis.handgraft;
+      const [held] = session.solution.held;
+      if (held === undefined) return Infinity;
+      const link = view.hand.links.find((one) => one.name === held.link);
+      const p = stage.project(stage.controls.camera.position.clone().fromArray(held.p_L_m).applyMatrix4(link.group.matrix));
+      return Math.hypot(p.x - x, p.y - y);
+    }, [at.x + 30, at.y - 20]);
     await dragBy(page, { x: box.x + at.x, y: box.y + at.y }, 30, -20);
     await waitRevision(page, 1);
     assert.match(await page.evaluate(() => globalThis.handgraft.session.state.last_edit), /^drag/);
+    assert.ok((await missed()) < 3, `it is where it was pulled to, ${await missed()} pixels off`);
+    await picture(page, 'fingers');
+    // It stays there, whatever else is done, until it is let go.
+    const { revision } = await factsOf(page);
+    await page.click('[data-patch=index] .switch');
+    await waitRevision(page, revision + 1);
+    assert.ok((await missed()) < 3, `it is still there, ${await missed()} pixels off`);
+    await page.click('.modes .held');
+    await waitRevision(page, revision + 2);
+    assert.equal(await page.$eval('.modes .held', (element) => element.hidden), true);
     return page;
   },
 
@@ -220,6 +239,14 @@ const tests = {
       for (let i = 0; i < 3; ++i) await page.keyboard.press('ArrowLeft');
     });
     assert.equal((await joint(name)).soft, true);
+    // It comes to what was asked for, which its row tells.
+    const isAt = async () => {
+      const position = await page.evaluate((of) => globalThis.handgraft.session.solution.joint_positions[globalThis.handgraft.session.state.joint_names.indexOf(of)], name);
+      return ((position - (await joint(name)).prior) * 180) / Math.PI;
+    };
+    assert.ok(Math.abs(await isAt()) < 0.5, `${name} is ${await isAt()} degrees from where it was put`);
+    const noteOf = () => page.evaluate((of) => document.querySelector(`[aria-label="lock ${of}"]`).closest('.joint').querySelector('.note').textContent, name);
+    assert.match(await noteOf(), new RegExp(`held at ${Math.round(((await joint(name)).prior * 180) / Math.PI)}°`));
     await edited(() => page.click(`[aria-label="lock ${name}"]`));
     assert.equal((await joint(name)).locked, true);
     await edited(() => page.click(`[aria-label="lock ${name}"]`));
@@ -232,6 +259,21 @@ const tests = {
       await page.keyboard.press('Tab');
     });
     assert.ok(Math.abs((await joint(name)).upper - (40 * Math.PI) / 180) < 1e-9);
+    // The lower one follows at once, and takes nothing of the upper one, nor the other way round.
+    const { lower: untouched } = await joint(name);
+    assert.equal(untouched, (await joint(name)).model_lower, 'to the last digit');
+    await edited(async () => {
+      for (const [side, degrees] of [['upper', '33.3'], ['lower', '11']]) {
+        const input = await page.$(`[aria-label^="${side} limit of ${name},"]`);
+        await input.click({ clickCount: 3 });
+        await page.keyboard.type(degrees);
+      }
+      await page.keyboard.press('Tab');
+    });
+    await page.waitForFunction((of) => globalThis.handgraft.session.settings.joints.find((one) => one.name === of).lower > 0.1, kWaiting, name);
+    await rest(page);
+    assert.ok(Math.abs((await joint(name)).upper - (33.3 * Math.PI) / 180) < 1e-9);
+    assert.ok(Math.abs((await joint(name)).lower - (11 * Math.PI) / 180) < 1e-9);
 
     // The arrows move the root of the contact that is chosen.
     await page.click('#to-patches');
