@@ -93,13 +93,11 @@ export class Head {
     document.title = isOpen ? `${state.hand} grasps ${state.object} – Handgraft` : 'Handgraft';
     title.textContent = isOpen ? `${state.hand} grasps ${state.object}` : 'Handgraft';
     title.title = isOpen ? `session ${session.id}, by ${state.motion || state.contacts}` : '';
-    const fits = (solution?.patches ?? []).filter((fit) => fit.diagnosis.verdict !== 'none');
-    const reached = fits.filter((fit) => fit.diagnosis.verdict === 'reached').length;
+    const { text, tone } = this.standing();
     verdict.hidden = !isOpen || solution === null;
-    const touches = fits.length > 0;
-    verdict.textContent = !solution?.is_diagnosed ? 'solving…' : touches ? `${reached} of ${fits.length} reached` : 'no contact';
+    verdict.textContent = text;
     verdict.title = solution?.verdict ?? '';
-    verdict.dataset['tone'] = !solution?.is_diagnosed || !touches ? 'off' : reached === fits.length ? 'good' : 'warn';
+    verdict.dataset['tone'] = tone;
     const others = session.pages.filter((one) => one.page !== session.page && one.sessions.includes(session.id));
     const last = state !== null && state.last_edit !== '' && session.editor !== '' ? saidBy(session.editor, state.last_edit) : '';
     people.textContent = [others.length > 0 ? `${others.length + 1} pages here` : '', last].filter((text) => text !== '').join(' · ');
@@ -107,5 +105,19 @@ export class Head {
     this.undo.disabled = !session.editing.mayUndo;
     this.redo.disabled = !session.mayEdit || (state?.redo_count ?? 0) === 0;
     this.openButton.hidden = !session.link.isLive;
+  }
+
+  /** How many of the contacts that count are reached; those without a place on the hand count, too. */
+  private standing(): { text: string; tone: 'off' | 'good' | 'warn' } {
+    const { solution, settings, motion } = this.session;
+    if (this.session.countsNone) return { text: 'no contact counts', tone: 'off' };
+    if (!solution?.is_diagnosed) return { text: 'solving…', tone: 'off' };
+    const fits = solution.patches.filter((fit) => fit.diagnosis.verdict !== 'none');
+    const reached = fits.filter((fit) => fit.diagnosis.verdict === 'reached').length;
+    const homeless = motion !== null ? 0 : (settings?.patches ?? []).filter((one) => one.enabled && !one.placed).length;
+    const all = fits.length + homeless;
+    if (all === 0) return { text: 'no contact', tone: 'off' };
+    const text = homeless === 0 ? `${reached} of ${all} reached` : `${reached} of ${all}; ${homeless} ${homeless === 1 ? 'has' : 'have'} no place`;
+    return { text, tone: reached === all ? 'good' : 'warn' };
   }
 }

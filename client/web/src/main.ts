@@ -18,6 +18,7 @@ import { Session, type Change } from './session';
 import { Stage } from './stage';
 import { keepTheme, theme, type Theme } from './theme';
 import { Timeline } from './timeline';
+import { Told } from './told';
 import { Tools, type Mode } from './tools';
 import { View } from './view';
 import { edits } from './wire';
@@ -129,6 +130,8 @@ for (const [name, title, section] of tabs) {
   tabList.append(tab);
   side.append(section);
 }
+const told = new Told(session);
+side.append(told.element);
 function openTab(name: string): void {
   for (const [other, , section] of tabs) {
     section.hidden = other !== name;
@@ -296,6 +299,7 @@ function shown(change: Change): void {
   showHeld();
 
   head.show();
+  told.show();
   const isOpen = state !== null;
   toolbar.hidden = !session.mayEdit || !isOpen;
   root.classList.toggle('of-motion', isOfMotion);

@@ -19,7 +19,22 @@ const kVerdicts: Record<Verdict, { sign: string; text: string; tone: string }> =
   normals_in_conflict: { sign: '⟲', text: 'faces away', tone: 'bad' },
   no_clearance: { sign: '✕', text: 'finger too thick', tone: 'bad' },
 };
+const kInTheWay = { sign: '✕', text: 'others in the way', tone: 'warn' };
+const kKeptAway = { sign: '✕', text: 'kept away', tone: 'warn' };
 const kDegrees = 180 / Math.PI;
+
+/** Out of reach only because of what else is asked for: alone it would be reached, or nearly. */
+function isKeptAway({ diagnosis, mean_mm }: PatchFit): boolean {
+  const { verdict, miss_m = 0, alone_mm = Infinity } = diagnosis;
+  return verdict === 'out_of_reach' && 1e3 * miss_m + alone_mm <= mean_mm; // as the server's words have it (core/verdict)
+}
+
+/** What is too far is measured against that. */
+function reachText({ diagnosis, mean_mm }: PatchFit): string {
+  const { verdict, miss_m = 0 } = diagnosis;
+  const isTooFar = (verdict === 'out_of_reach' || verdict === 'at_limit') && miss_m > 0;
+  return isTooFar ? `Within ${(mean_mm - 1e3 * miss_m).toFixed(0)} mm on average it counts as reached.` : '';
+}
 
 interface PatchRow {
   element: HTMLElement;
@@ -160,7 +175,8 @@ export class PatchList {
     row.mean.textContent = counts ? `${fit.mean_mm.toFixed(1)} mm` : '';
     row.bar.style.setProperty('--length', counts ? `${Math.min(100, fit.mean_mm * 5)}%` : '0%');
     const isKnown = counts && this.session.solution?.is_diagnosed;
-    const verdict = kVerdicts[isKnown ? fit.diagnosis.verdict : 'none'];
+    const isHeld = (this.session.solution?.held ?? []).length > 0;
+    const verdict = !isKnown || !isKeptAway(fit) ? kVerdicts[isKnown ? fit.diagnosis.verdict : 'none'] : isHeld ? kKeptAway : kInTheWay;
     row.verdict.textContent = !state.placed ? '✕ no place' : !isOnNow ? '– off' : motion !== null && (!counts || fit.diagnosis.verdict === 'none') ? '– not now' : isKnown ? `${verdict.sign} ${verdict.text}` : '…';
     row.verdict.dataset['tone'] = !state.placed ? 'bad' : isKnown ? verdict.tone : 'off';
     row.bar.dataset['tone'] = row.verdict.dataset['tone'];
@@ -173,6 +189,7 @@ export class PatchList {
     const lost = report?.lost.length ?? 0;
     row.text.textContent = [
       !state.placed ? state.reason : isKnown && fit.diagnosis.text !== '' ? `${fit.diagnosis.text}.` : '',
+      isKnown ? reachText(fit) : '',
       counts && motion !== null
         ? `Normals ${fit.normal_deg.toFixed(0)}° apart.`
         : counts ? `Normals ${fit.normal_deg.toFixed(0)}° apart, farthest point ${fit.max_mm.toFixed(1)} mm.` : '',

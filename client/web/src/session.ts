@@ -173,6 +173,12 @@ export class Session implements Listener {
     return this.motion === null || this.reach_s === null ? null : editedAt(this, this.time_s, texts);
   }
 
+  /** All are switched off: the server looks for no pose, and the one before is shown. */
+  get countsNone(): boolean {
+    const { motion, settings, state } = this;
+    return motion === null && settings !== null && settings.state.revision === state?.revision && !settings.patches.some((one) => one.enabled);
+  }
+
   /** Of a motion: the patch counts at that time. */
   isOn(patch: string, time_s: number): boolean {
     const edit = editedAt(this, time_s, [`enable ${patch}`, `disable ${patch}`]);

@@ -40,7 +40,14 @@ export interface PatchFit {
   normal_deg: number;
   hand_W_m: number[];
   object_W_m: number[];
-  diagnosis: { verdict: Verdict; text: string };
+  diagnosis: Diagnosis;
+}
+
+export interface Diagnosis {
+  verdict: Verdict;
+  text: string;
+  miss_m?: number; // beyond what counts as reached; of a motion's frames neither is looked for
+  alone_mm?: number; // what it would come to if nothing else were asked for
 }
 
 export type Verdict = 'none' | 'reached' | 'at_limit' | 'out_of_reach' | 'normals_in_conflict' | 'no_clearance';

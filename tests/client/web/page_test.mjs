@@ -2,7 +2,7 @@
 // What is done is read from the page's state and from the server's, through `handgraft` itself. Without a browser: 77.
 
 import assert from 'node:assert/strict';
-import { browser, distance, domain, dotOf, dragBy, factsOf, handgraft, held, kWaiting, openPage, openSession, picture, rest, runTests, serverPose, settingsOf, sleep, start, still, stop, waitRevision, waitText } from './browser.mjs';
+import { browser, distance, domain, dotOf, dragBy, factsOf, handgraft, held, kWaiting, openPage, openSession, picture, rest, runTests, serverPose, settingsOf, sleep, start, still, stop, typed, waitRevision, waitText } from './browser.mjs';
 
 // === The tests
 
@@ -293,6 +293,53 @@ const tests = {
     await page.evaluate(() => [...document.querySelectorAll('button')].find((one) => one.textContent === 'Keep this state').click());
     await page.waitForFunction(() => globalThis.handgraft.session.settings.snapshots.length === 1, kWaiting);
     return page;
+  },
+
+  async 'What came of it is told: contacts without a place, others in the way, none that counts, and the notes'(address) {
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`, { width: 1280, height: 720 });
+    await rest(page);
+    const pill = () => page.$eval('.pill', (one) => [one.textContent, one.dataset.tone]);
+    // The Barrett has three fingers, and six contacts are asked for.
+    assert.deepEqual(await pill(), ['3 of 6; 3 have no place', 'warn']);
+    const { verdict } = await page.evaluate(() => globalThis.handgraft.session.solution);
+    assert.match(verdict, /3 more dropped/);
+    const { notes } = await settingsOf(page);
+    assert.ok(notes.some((note) => /fewer fingers/.test(note)));
+    assert.equal(await page.$eval('.told p', (one) => one.textContent), verdict);
+    assert.deepEqual(await page.$$eval('.told li', (all) => all.map((one) => one.textContent)), notes);
+    await picture(page, 'told');
+    // By keys, too.
+    await page.focus('.told summary');
+    await page.keyboard.press('Enter');
+    assert.equal(await page.$eval('.told details', (one) => one.open), false);
+    // Those without a place are switched off: then nothing is missing.
+    for (const name of ['palm', 'middle', 'little']) {
+      await page.evaluate((of) => globalThis.handgraft.session.editing.edit({ kind: 'patch_enabled', patch_enabled: { patch: of, enabled: false } }), name);
+      await rest(page);
+    }
+    await waitText(page, '.pill', /^3 of 3 reached$/);
+    assert.equal((await pill())[1], 'good');
+    // With none that counts there is no pose to speak well of.
+    for (const name of ['thumb', 'index', 'ring']) {
+      await page.click(`[data-patch=${name}] .switch`);
+      await sleep(500);
+    }
+    await waitText(page, '.pill', /^no contact counts$/);
+    assert.equal((await pill())[1], 'off');
+    await waitText(page, '.told p', /^No contact counts/);
+
+    // A finger is held elsewhere: its contact is not out of reach, it is kept away, and the row says what is too far.
+    const other = await openSession('human20', 'lemon', 'lemon_6');
+    await typed(other, 'drag index_tip to 0 0 0.25\n');
+    const second = await openPage(`${address}?session=${other}`, { width: 1280, height: 720 });
+    await rest(second);
+    await waitText(second, '[data-patch=index] .verdict', /kept away/);
+    assert.equal(await second.$eval('[data-patch=index] .verdict', (one) => one.dataset.tone), 'warn');
+    await second.click('[data-patch=index] .row');
+    await waitText(second, '[data-patch=index] .details', /Within 6 mm on average it counts as reached/);
+    await picture(second, 'kept_away');
+    return second;
   },
 
   async 'Sites, normals and points lost are seen when they are asked for; a state is compared with now'(address) {
