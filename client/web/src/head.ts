@@ -44,8 +44,8 @@ export class Head {
     stage: Stage,
     told: HeadTold,
   ) {
-    this.undo = button('undo', 'Undo (Ctrl+Z)', () => void session.editing.undo());
-    this.redo = button('redo', 'Redo (Ctrl+Y)', () => void session.editing.redo());
+    this.undo = button('undo', 'Undo (Ctrl+Z)', () => session.editing.undo());
+    this.redo = button('redo', 'Redo (Ctrl+Y)', () => session.editing.redo());
     this.openButton = h('button', { onclick: () => told.onOpen() }, 'Open…');
     const items = kFormats.map(([format, text]) => {
       const isHere = format === 'png' || session.link.isLive;

@@ -355,8 +355,8 @@ window.addEventListener('keydown', (event) => {
   if (target.matches('input:not([type=checkbox]):not([type=range]), select, textarea') || dialog.element.open) return;
   const withControl = event.ctrlKey || event.metaKey;
   const key = event.key.toLowerCase();
-  if (withControl && key === 'z') void (event.shiftKey ? session.editing.redo() : session.editing.undo());
-  else if (withControl && key === 'y') void session.editing.redo();
+  if (withControl && key === 'z') event.shiftKey ? session.editing.redo() : session.editing.undo();
+  else if (withControl && key === 'y') session.editing.redo();
   else if (withControl || event.altKey) return;
   else if (/^[1-4]$/.test(key)) {
     const mode = modes[Number(key) - 1]![0];

@@ -115,7 +115,7 @@ export class Session implements Listener {
     this.id = session;
     this.state = this.solution = this.settings = this.motion = this.clock = this.measured = null;
     this.frames.forget();
-    this.editing.forget();
+    this.editing.restart();
     this.past.length = 0;
     this.tell('none');
     if (session === 0) return;
@@ -159,7 +159,6 @@ export class Session implements Listener {
 
   async solve(): Promise<void> {
     await this.link.ask({ kind: 'optimize', optimize: { session_id: this.id, options: null } });
-    this.editing.forget(); // a step of its own, behind which a drag's edits are no longer the last
   }
 
   /** Edits of a motion hold about the time that is shown, so many seconds; null: for all of it. */
@@ -284,7 +283,7 @@ export class Session implements Listener {
     if (this.motion === null) this.solution = null;
     this.frames.outdate();
     this.countsAnew = true;
-    this.editing.restart();
+    this.editing.moved();
     this.tell('link');
     this.notify('The server is back; the session goes on where it stood.');
     this.lookup.soon();
@@ -304,6 +303,7 @@ export class Session implements Listener {
   private async resume(): Promise<void> {
     try {
       if (this.motion === null) this.solution = null; // the next one's numbers may begin anew
+      this.editing.restart();
       const state = await this.link.follow(this.id);
       this.frames.outdate();
       this.onState(this.id, state, false, -1);

@@ -63,6 +63,60 @@ const tests = {
     return page;
   },
 
+  async 'A whole drag is undone and done again at once, after other edits and once the page is loaded again, too'(address) {
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`);
+    await rest(page);
+    const rootOf = async () => (await settingsOf(page)).patches.find((patch) => patch.name === 'thumb').root_S;
+    const revision = () => page.evaluate(() => globalThis.handgraft.session.state.revision);
+    const pressed = async (key, times = 1) => {
+      const before = await revision();
+      await page.keyboard.down('Control');
+      for (let i = 0; i < times; ++i) await page.keyboard.press(key);
+      await page.keyboard.up('Control');
+      await waitRevision(page, before + 1);
+    };
+    const before = await rootOf();
+    await dragBy(page, await dotOf(page, 'thumb', 'hand'), 14, 10);
+    await waitRevision(page, 2);
+    const dragged = await rootOf();
+    await pressed('z');
+    assert.deepEqual(await rootOf(), before);
+    await pressed('y');
+    assert.deepEqual(await rootOf(), dragged);
+
+    // One edit more, undone: the drag is still one step. Loaded again, too.
+    await page.click('[data-patch=index] .switch');
+    await waitRevision(page, (await revision()) + 1);
+    await pressed('z');
+    await page.reload();
+    await page.waitForFunction(() => globalThis.handgraft?.session.settings, kWaiting);
+    await rest(page);
+    await pressed('z');
+    assert.deepEqual(await rootOf(), before);
+    assert.equal(await page.evaluate(() => globalThis.handgraft.session.state.undo_count), 0);
+    await pressed('y');
+    assert.deepEqual(await rootOf(), dragged);
+
+    // Pressed faster than the server answers, and more often than there are steps: nothing is complained about.
+    await pressed('z', 4);
+    await page.waitForFunction(() => globalThis.handgraft.session.state.undo_count === 0, kWaiting);
+    await sleep(300);
+    assert.equal(await page.$('.toasts .wrong'), null);
+    assert.deepEqual(await rootOf(), before);
+    // What is edited behind undone steps is one of its own.
+    await page.click('[data-patch=index] .switch');
+    await waitRevision(page, (await revision()) + 1);
+    await page.click('[data-patch=ring] .row');
+    await page.focus('canvas');
+    for (let i = 0; i < 3; ++i) await page.keyboard.press('ArrowLeft');
+    await rest(page);
+    const { undo_count: count } = await page.evaluate(() => globalThis.handgraft.session.state);
+    await pressed('z');
+    assert.equal(await page.evaluate(() => globalThis.handgraft.session.state.undo_count), count - 1);
+    return page;
+  },
+
   async 'A finger on a touch screen drags a root over the object'(address) {
     const session = await openSession();
     const page = await openPage(`${address}?session=${session}`, { touch: true });
