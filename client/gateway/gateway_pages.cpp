@@ -143,6 +143,12 @@ void Gateway::Impl::handle(PageId page, std::uint64_t request, const Json& messa
   const std::string what = textIn(message, "do");
   if (what == "follow" || what == "show")
     return follow(page, request, numberIn(message, "session"), what == "show");
+  if (what == "unfollow") {
+    const std::lock_guard lock(mutex);
+    unfollow(page, numberIn(message, "session"));
+    tellPages();
+    return web->send(page, textOf({{"reply", request}}));
+  }
   if (what == "ping") return web->send(page, textOf({{"reply", request}}));
   if (what == "drop") {
     const std::lock_guard lock(mutex);
@@ -168,10 +174,8 @@ void Gateway::Impl::handle(PageId page, std::uint64_t request, const Json& messa
     if (what == "ask" && body != message.end()) return ask(page, request, *body);
     if (what == "edit" && body != message.end()) return edit(page, request, message);
     rejectInput(
-        "do: {}: it must be follow, show, ping, describe, load, drop, ask or edit, the last "
-        "two with "
-        "a "
-        "body",
+        "do: {}: it must be follow, show, unfollow, ping, describe, load, drop, ask or edit, "
+        "the last two with a body",
         handgraft::quoted(what));
   } catch (...) {
     const std::lock_guard lock(mutex);

@@ -48,6 +48,8 @@ export interface Link {
   edit(session: number, body: EditBody, when?: EditTime | null, base?: number): Promise<{ revision: number; message: string }>;
   describe<Description>(kind: string, name: string): Promise<Model<Description>>;
   follow(session: number): Promise<SessionState>;
+  /** It is not shown any more. */
+  leave(session: number): void;
   /** A file of those that belong together, by its path among them. */
   give(group: number, path: string, file: Blob, sent: (bytes: number) => void): Promise<void>;
   /** Has the server read a model of what was given. */
@@ -98,6 +100,9 @@ export class LiveLink implements Link {
     setInterval(() => this.listen(), kHeartbeat_ms);
     // After a sleep, or a change of networks: at once.
     window.addEventListener('online', () => this.hurry());
+    // A browser may keep a page that was left, for going back to it: it is not here meanwhile.
+    window.addEventListener('pagehide', () => this.socket?.close());
+    window.addEventListener('pageshow', () => this.hurry());
     document.addEventListener('visibilitychange', () => {
       if (!document.hidden) this.hurry();
     });
@@ -119,9 +124,18 @@ export class LiveLink implements Link {
   }
 
   async follow(session: number): Promise<SessionState> {
-    const reply = (await this.once(`follow ${session}`, { do: 'follow', session })) as { session: SessionState };
-    this.nameEarly(reply.session);
-    return reply.session;
+    try {
+      const reply = (await this.once(`follow ${session}`, { do: 'follow', session })) as { session: SessionState };
+      this.nameEarly(reply.session);
+      return reply.session;
+    } catch (error) {
+      this.early.clear(); // nor do its models come unasked
+      throw error;
+    }
+  }
+
+  leave(session: number): void {
+    this.send({ do: 'unfollow', session }).catch(() => undefined); // with the connection it goes anyway
   }
 
   async give(group: number, path: string, file: Blob, sent: (bytes: number) => void): Promise<void> {
@@ -341,6 +355,10 @@ export class FileLink implements Link {
 
   async follow(): Promise<SessionState> {
     return this.data.state;
+  }
+
+  leave(): void {
+    // Nobody counts who looks.
   }
 
   give(): Promise<void> {

@@ -112,6 +112,7 @@ export class Session implements Listener {
 
   /** Shows that session from now on; 0: none. */
   async show(session: number): Promise<void> {
+    if (this.id !== 0 && this.id !== session) this.link.leave(this.id);
     this.id = session;
     this.state = this.solution = this.settings = this.motion = this.clock = this.measured = null;
     this.frames.forget();
@@ -215,8 +216,11 @@ export class Session implements Listener {
   }
 
   onServer(isHeard: boolean): void {
+    const isBack = isHeard && !this.isHeard;
     this.isHeard = isHeard;
     this.tell('link');
+    // A page that was loaded while the server was away has not been told of its session yet.
+    if (isBack && this.page !== 0 && this.id !== 0 && this.state === null) void this.resume();
   }
 
   onState(session: number, state: SessionState, isOurs: boolean, page: number): void {

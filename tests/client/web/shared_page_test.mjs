@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { existsSync, statSync } from 'node:fs';
 import { join } from 'node:path';
-import { bin, browser, distance, dotOf, downloads, dragBy, factsOf, handgraft, held, kPatience_ms, kWaiting, openPage, openSession, picture, rest, run, runTests, serverPose, settingsOf, sleep, startServer, startView, stop, typed, waitRevision, waitText } from './browser.mjs';
+import { bin, browser, distance, dotOf, downloads, dragBy, factsOf, handgraft, held, kPatience_ms, kWaiting, ofServer, openPage, openSession, picture, rest, run, runTests, serverPose, settingsOf, sleep, startServer, startView, stop, typed, waitRevision, waitText } from './browser.mjs';
 
 const tests = {
   async 'Two pages and the command line agree'(address) {
@@ -33,6 +33,15 @@ const tests = {
       await waitText(page, '.people', /another program switched middle off/);
     }
     await picture(two, 'editors');
+    // Who shows another session, or leaves, is not here any more.
+    const other = await openSession();
+    await one.evaluate((id) => globalThis.handgraft.session.show(id), other);
+    const alone = () => two.waitForFunction(() => !document.querySelector('.people').textContent.includes('pages here'), kWaiting);
+    await alone();
+    await one.evaluate((id) => globalThis.handgraft.session.show(id), session);
+    await waitText(two, '.people', /2 pages here/);
+    await one.goto('about:blank');
+    await alone();
     await one.close();
     return two;
   },
@@ -136,6 +145,28 @@ const tests = {
     const isOn = async () => (await settingsOf(page)).patches.find((one) => one.name === 'index').enabled;
     for (let waited = 0; !(await isOn()) && waited < kPatience_ms; waited += 200) await sleep(200);
     assert.equal(await isOn(), true);
+    return page;
+  },
+
+  async 'A page that is loaded while the server is away shows its session once that is back'(address) {
+    // One whose sessions outlive it.
+    ofServer.push('--state', join(downloads, 'state'));
+    await stop(held.server);
+    held.server = await startServer();
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`);
+    await rest(page);
+    await stop(held.server);
+    await page.waitForSelector('.banner:not([hidden])', { timeout: kPatience_ms });
+    await page.reload();
+    await page.waitForFunction(() => globalThis.handgraft?.session.page > 0, kWaiting);
+    await sleep(1000);
+    held.server = await startServer();
+    await page.waitForSelector('.banner[hidden]', { timeout: kPatience_ms });
+    await page.waitForFunction(() => globalThis.handgraft.session.settings && globalThis.handgraft.view.facts().handles.length > 0, kWaiting);
+    await rest(page);
+    assert.equal(await page.evaluate(() => globalThis.handgraft.session.id), session);
+    ofServer.length = 0;
     return page;
   },
 
