@@ -6,7 +6,7 @@ import type { OpenDialog } from './open';
 import type { Session } from './session';
 
 export function acceptDrops(session: Session, dialog: OpenDialog): void {
-  const dropHere = h('div', { class: 'drop', hidden: true }, h('p', {}, 'Drop a hand (its folder or a zip), an object, contacts'));
+  const dropHere = h('div', { class: 'drop', hidden: true }, h('p', {}, 'Drop a hand (its folder or a zip), an object, contacts, or a session that was saved'));
   document.body.append(dropHere);
   const isOfFiles = (event: DragEvent) => event.dataTransfer?.types.includes('Files') === true;
   let inside = 0; // elements that the pointer has entered and not left

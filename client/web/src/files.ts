@@ -130,6 +130,14 @@ export function asKind(kind: Kind, files: GivenFile[]): Given {
   return { kind, mains, files };
 }
 
+/** The session that was saved, if one of these is. */
+export async function savedSession(files: GivenFile[]): Promise<GivenFile | undefined> {
+  for (const one of files) {
+    if (typeOf(one.path) === 'json' && (await one.file.slice(0, kHead).text()).includes('"handgraft-session/1"')) return one;
+  }
+  return undefined;
+}
+
 /** Which models these files are. */
 export async function sorted(files: GivenFile[]): Promise<Given[]> {
   if (files.length === 0) throw new Error('There is no file among them that can be read here.');

@@ -225,7 +225,7 @@ export async function fetchMotion(
     answer = await ask(0);
   } catch (error) {
     if (!maySolve || !(error instanceof Refusal) || error.code === 'no_link' || error.code === 'no_server') throw error;
-    await link.ask({ kind: 'solve_motion', solve_motion: { session_id: session, options: [] } });
+    await link.ask({ kind: 'solve_motion', solve_motion: { session_id: session, options: null } });
     answer = await ask(0);
   }
   for (;;) {

@@ -1,7 +1,7 @@
 // Which session: one that there is, or a new one, of what the server has or of files.
 
 import { h } from './dom';
-import { asKind, chosen, sorted, type Given, type GivenFile, type Kind } from './files';
+import { asKind, chosen, savedSession, sorted, type Given, type GivenFile, type Kind } from './files';
 import { Refusal } from './link';
 import type { Session } from './session';
 import { said } from './words';
@@ -19,6 +19,10 @@ const kFirst = { hand: 'human20', object: 'lemon', contacts: 'lemon_6' };
 /** Contacts of an object that suit a hand better than the others. */
 const kSuited: Record<string, string> = { 'barrett8 lemon': 'lemon_3' };
 
+/** Of what the contacts are chosen from, a motion. */
+const kMotion = 'motion ';
+const kMostText = 2 * 2 ** 20 - 1024; // bytes of a session's file as the gateway takes them, in one message
+
 let lastGroup = 0;
 
 /** A hand, an object or contacts: chosen among those that the server has, or given as files. */
@@ -26,6 +30,7 @@ class Part {
   readonly select = h('select', { required: true });
   readonly element: HTMLElement;
   isBusy = false;
+  private isRefused = false;
   private readonly note = h('p', { class: 'note', role: 'status', 'aria-live': 'polite', hidden: true });
   private readonly mains = h('select', { 'aria-label': 'which of the files' });
   private readonly units = h('select', { 'aria-label': 'its units' }, ...Object.entries(kUnits).map(([value, text]) => h('option', { value }, text)));
@@ -46,6 +51,7 @@ class Part {
     private readonly session: Session,
     private readonly objectOf: () => string,
     private readonly changed: () => void,
+    private readonly openSaved: (file: GivenFile) => void,
   ) {
     const title = kTitles[kind].toLowerCase();
     const input = h('input', {
@@ -71,8 +77,7 @@ class Part {
     );
     this.element.dataset['kind'] = kind;
     this.select.addEventListener('change', () => {
-      this.forget(); // one of the server's instead
-      this.note.hidden = this.mainLine.hidden = this.unitsLine.hidden = true;
+      this.clear(); // one of the server's instead
       this.changed();
     });
     this.mains.addEventListener('change', () => void this.load(''));
@@ -81,9 +86,14 @@ class Part {
   /** Those that the server has. */
   offer(models: ModelSummary[]): void {
     const had = this.select.value;
-    this.select.replaceChildren(...models.filter((model) => model.kind === this.kind).map((model) => h('option', { value: model.name, title: model.text }, model.name)));
+    const of = (kind: ModelSummary['kind'], before = '') =>
+      models.filter((model) => model.kind === kind).map((model) => h('option', { value: before + model.name, title: model.text }, model.name));
+    this.select.replaceChildren(...of(this.kind));
+    const motions = this.kind === 'contacts' ? of('motion', kMotion) : [];
+    if (motions.length > 0) this.select.append(h('optgroup', { label: 'Motions' }, ...motions));
     const names = [...this.select.options].map((option) => option.value);
-    this.select.value = names.includes(had) ? had : names.includes(kFirst[this.kind]) ? kFirst[this.kind] : (names[0] ?? '');
+    if (this.isRefused) this.select.selectedIndex = -1;
+    else this.select.value = names.includes(had) ? had : names.includes(kFirst[this.kind]) ? kFirst[this.kind] : (names[0] ?? '');
   }
 
   /** Files take the place of what was chosen: sent, and read by the server. */
@@ -110,7 +120,7 @@ class Part {
       await this.load('');
     } catch (error) {
       if (turn !== this.turn) return;
-      this.tell(error instanceof Error ? error.message : String(error), 'bad');
+      this.refuse(error);
       this.setBusy(false);
     }
   }
@@ -124,9 +134,18 @@ class Part {
     if (this.given !== null && !this.isBusy) await this.load(this.unitsLine.hidden ? '' : this.units.value);
   }
 
-  /** What is wrong with what was to be given. */
-  refuse(text: string): void {
-    this.tell(text, 'bad');
+  /** What is wrong with what was to be given: nothing is chosen until that is mended, or something else is. */
+  private refuse(error: unknown): void {
+    this.tell(error instanceof Error ? error.message : String(error), 'bad');
+    this.isRefused = true;
+    this.select.selectedIndex = -1;
+  }
+
+  /** Nothing was given, and nothing is told of it. */
+  clear(): void {
+    this.forget();
+    this.isRefused = false;
+    this.note.hidden = this.mainLine.hidden = this.unitsLine.hidden = true;
   }
 
   forget(): void {
@@ -140,9 +159,13 @@ class Part {
     if (list === null || list.length === 0) return;
     this.tell('Reading…');
     try {
-      await this.give(asKind(this.kind, await chosen(list)));
+      const files = await chosen(list);
+      const saved = await savedSession(files);
+      if (saved !== undefined) this.openSaved(saved);
+      else await this.give(asKind(this.kind, files));
     } catch (error) {
-      this.tell(error instanceof Error ? error.message : String(error), 'bad');
+      this.refuse(error);
+      this.changed();
     }
     input.value = ''; // the same file once more is a change, too
   }
@@ -156,9 +179,10 @@ class Part {
       const model = await this.session.link.load(this.group, this.kind, main, this.kind === 'contacts' ? this.objectOf() : '', units);
       if (turn !== this.turn) return;
       if (![...this.select.options].some((option) => option.value === model.name)) {
-        this.select.append(h('option', { value: model.name, title: model.text }, model.name));
+        this.select.add(h('option', { value: model.name, title: model.text }, model.name), this.select.querySelector('optgroup'));
       }
       this.select.value = model.name;
+      this.isRefused = false;
       this.tell(`✓ ${main}: ${model.text}`, 'good');
       this.changed();
     } catch (error) {
@@ -169,7 +193,7 @@ class Part {
         this.units.value = /--units (mm|cm|in|m)\b/.exec(text)?.[1] ?? 'mm';
         this.unitsLine.hidden = false;
       }
-      this.tell(isOfUnits ? `${text.split(': say --units')[0]!}: say which.` : text, 'bad');
+      this.refuse(isOfUnits ? `${text.split(': say --units')[0]!}: say which.` : text);
     } finally {
       if (turn === this.turn) this.setBusy(false);
     }
@@ -194,11 +218,13 @@ export class OpenDialog {
   private readonly note = h('p', { class: 'note', role: 'status' });
   private readonly make: HTMLButtonElement;
   private readonly form: HTMLElement;
+  private readonly saved: HTMLElement;
   private object = '';
   private hand = '';
 
   constructor(private readonly session: Session) {
-    const part = (kind: Kind) => new Part(kind, session, () => this.parts.object.select.value, () => this.changed());
+    const part = (kind: Kind) =>
+      new Part(kind, session, () => this.parts.object.select.value, () => this.changed(), (file) => void this.openSaved(file));
     this.parts = { hand: part('hand'), object: part('object'), contacts: part('contacts') };
     this.make = h('button', { class: 'main', onclick: () => void this.create() }, 'Grasp');
     this.form = h(
@@ -208,23 +234,36 @@ export class OpenDialog {
       h('p', { class: 'note' }, 'Choose of what the server has, or give files: they can be dropped anywhere on the page, a hand as its folder or a zip.'),
       h('div', { class: 'form' }, this.parts.hand.element, this.parts.object.element, this.parts.contacts.element),
     );
+    const saved = h('input', {
+      type: 'file',
+      accept: '.json',
+      hidden: true,
+      'aria-label': 'file of a session',
+      onchange: () => {
+        const file = saved.files?.[0];
+        if (file !== undefined) void this.openSaved({ path: file.name, file });
+        saved.value = ''; // the same file once more is a change, too
+      },
+    });
+    this.saved = h('div', { class: 'line' }, h('button', { class: 'small', onclick: () => saved.click() }, 'Saved session…'), saved);
     this.element = h(
       'dialog',
       { 'aria-label': 'Open a session' },
       h('h2', {}, 'Sessions that there are'),
       this.list,
+      this.saved,
       this.form,
       this.note,
       h('div', { class: 'line end' }, h('button', { onclick: () => this.element.close() }, 'Cancel'), this.make),
     );
     this.element.addEventListener('close', () => {
-      for (const one of Object.values(this.parts)) one.forget();
+      for (const one of Object.values(this.parts)) one.clear();
     });
   }
 
   async open(): Promise<void> {
     this.note.textContent = '';
-    this.form.hidden = this.make.hidden = !this.session.mayOpen;
+    this.form.hidden = this.saved.hidden = this.make.hidden = !this.session.mayOpen;
     if (!this.element.open) this.element.showModal();
     try {
       const [sessions, models] = await Promise.all([
@@ -243,7 +282,7 @@ export class OpenDialog {
               },
             },
             h('span', { class: 'rank', title: `session ${one.session_id}` }, String(index + 1)),
-            h('span', {}, `${one.hand} grasps ${one.object}`),
+            h('span', {}, one.motion === '' ? `${one.hand} grasps ${one.object} by ${one.contacts}` : `${one.hand} follows ${one.motion} with ${one.object}`),
             h('span', { class: 'note' }, said(one.last_edit)),
           ),
         ),
@@ -252,6 +291,7 @@ export class OpenDialog {
       for (const one of Object.values(this.parts)) one.offer(models.models);
       this.object = this.parts.object.select.value;
       this.hand = this.parts.hand.select.value;
+      this.changed();
     } catch (error) {
       this.fail(error);
     }
@@ -264,7 +304,10 @@ export class OpenDialog {
     try {
       delete this.note.dataset['tone'];
       this.note.textContent = 'Reading…';
-      const given = await sorted(await files);
+      const all = await files;
+      const saved = await savedSession(all);
+      if (saved !== undefined) return await this.openSaved(saved);
+      const given = await sorted(all);
       this.note.textContent = '';
       const of = (kind: Kind) => given.find((one) => one.kind === kind);
       const give = async (one: Given | undefined) => one !== undefined && (await this.parts[one.kind].give(one));
@@ -281,9 +324,10 @@ export class OpenDialog {
   }
 
   private changed(): void {
-    this.make.disabled = Object.values(this.parts).some((part) => part.isBusy);
     const object = this.parts.object.select.value;
     const hand = this.parts.hand.select.value;
+    this.make.disabled = Object.values(this.parts).some((part) => part.isBusy || part.select.value === '');
+    if (object === '' || hand === '') return;
     const isOther = object !== this.object;
     if (!isOther && hand === this.hand) return;
     [this.object, this.hand] = [object, hand];
@@ -304,25 +348,32 @@ export class OpenDialog {
     else if ((isOther || Object.values(kSuited).includes(select.value)) && named[0] !== undefined) select.value = named[0];
   }
 
-  private async create(): Promise<void> {
+  private create(): Promise<void> {
+    const of = (kind: Kind) => this.parts[kind].select.value;
+    const chosen = of('contacts');
+    const by = chosen.startsWith(kMotion) ? { motion: chosen.slice(kMotion.length) } : { contacts: chosen };
+    return this.begin({ kind: 'open_session', open_session: { hand: of('hand'), object: of('object'), ...by } });
+  }
+
+  /** A session that was saved, as Save writes it. */
+  private async openSaved({ path, file }: GivenFile): Promise<void> {
+    const body = { kind: 'load_session', load_session: { text: await file.text() } };
+    if (new Blob([JSON.stringify(body)]).size > kMostText) this.fail(`${path} is larger than a page may send: \`handgraft session open\` opens it.`);
+    else await this.begin(body);
+  }
+
+  private async begin(body: Record<string, unknown>): Promise<void> {
     this.make.disabled = true;
     delete this.note.dataset['tone'];
     this.note.textContent = 'Opening…';
     try {
-      const state = await this.session.link.ask<SessionState>({
-        kind: 'open_session',
-        open_session: {
-          hand: this.parts.hand.select.value,
-          object: this.parts.object.select.value,
-          contacts: this.parts.contacts.select.value,
-        },
-      });
+      const state = await this.session.link.ask<SessionState>(body);
       this.element.close();
       await this.session.show(state.session_id);
     } catch (error) {
       this.fail(error);
     } finally {
-      this.make.disabled = false;
+      this.changed();
     }
   }
 }

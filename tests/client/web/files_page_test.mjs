@@ -143,6 +143,66 @@ const tests = {
     await drop(page, [contacts]);
     await waitText(page, note('contacts'), /broken\.json.*999999.*3615/);
     assert.equal(await page.$eval(note('contacts'), (one) => one.dataset.tone), 'bad');
+
+    // What was refused is not replaced by what was chosen before it, behind the user's back.
+    const mayGrasp = () => page.$eval('dialog button.main', (one) => !one.disabled);
+    assert.deepEqual(await page.$$eval('.part select:first-of-type[required]', (all) => all.map((one) => one.value === '')), [true, false, true]);
+    assert.equal(await mayGrasp(), false);
+    await page.select('.part[data-kind=hand] select', 'human20');
+    assert.equal(await mayGrasp(), false);
+    await page.select('.part[data-kind=contacts] select', 'lemon_6');
+    assert.equal(await mayGrasp(), true);
+    assert.equal(await page.$eval(note('hand'), (one) => one.hidden), true);
+    return page;
+  },
+
+  async 'A session that was saved is opened, dropped or chosen, and told from the others'(address) {
+    const session = await openSession();
+    const file = join(downloads, 'barrett8_lemon.session.json');
+    await handgraft('session', 'save', String(session), file);
+    const page = await openEmpty(address);
+    const shown = (before) => page.waitForFunction((old) => globalThis.handgraft.session.state !== null && globalThis.handgraft.session.id !== old, kWaiting, before);
+    await drop(page, [file]);
+    await shown(0);
+    await rest(page);
+    const first = await page.evaluate(() => globalThis.handgraft.session.id);
+    assert.notEqual(first, session);
+    assert.equal(await page.evaluate(() => globalThis.handgraft.session.state.contacts), 'lemon_6');
+    assert.equal(await page.$('dialog[open]'), null);
+
+    await page.click('header > button:not(.icon)');
+    await page.waitForSelector('dialog[open] .choice');
+    assert.match(await textAt(page, 'dialog .list'), /barrett8 grasps lemon by lemon_6/);
+    const chooser = page.waitForFileChooser();
+    await sleep(300);
+    await page.evaluate(() => [...document.querySelectorAll('dialog button')].find((one) => one.textContent === 'Saved session…').click());
+    await (await chooser).accept([file]);
+    await shown(first);
+    await rest(page);
+
+    // One that is none any more.
+    writeFileSync(file, readFileSync(file, 'utf8').replace('"hand":"barrett8"', '"hand":"nobody"'));
+    await drop(page, [file]);
+    await waitText(page, 'dialog > .note', /nobody/);
+    await page.keyboard.press('Escape');
+    return page;
+  },
+
+  async 'On a phone nothing lies over what is chosen'(address) {
+    const page = await openEmpty(address);
+    await page.setViewport({ width: 390, height: 844 });
+    await page.click('.empty button');
+    await page.waitForSelector('.part[data-kind=contacts] option');
+    const overlaps = await page.$$eval('.part', (parts) =>
+      parts.filter((part) => {
+        const select = part.querySelector('select').getBoundingClientRect();
+        return [...part.querySelectorAll('button')].some((one) => {
+          const box = one.getBoundingClientRect();
+          return box.width > 0 && box.left < select.right && box.right > select.left && box.top < select.bottom && box.bottom > select.top;
+        });
+      }).length);
+    await picture(page, 'open_phone');
+    assert.equal(overlaps, 0);
     return page;
   },
 

@@ -3,10 +3,28 @@
 import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';
 import { join } from 'node:path';
-import { browser, distance, downloads, dragBy, factsOf, handgraft, kPatience_ms, kWaiting, openSession, picture, rest, runTests, sleep } from './browser.mjs';
+import { browser, distance, downloads, dragBy, factsOf, handgraft, kPatience_ms, kWaiting, openSession, picture, rest, runTests, sleep, waitText } from './browser.mjs';
 import { framesOf, openMotion, openMotionPage, point, timeOf } from './motions.mjs';
 
 const tests = {
+  async 'A motion that the server has is opened in the dialog, and told from grasps'(address) {
+    await openMotion();
+    const page = await browser.newPage();
+    await page.setViewport({ width: 1100, height: 700 });
+    await page.goto(address);
+    await page.waitForSelector('.empty:not([hidden]) button');
+    await page.click('.empty button');
+    await page.waitForSelector('.part[data-kind=contacts] optgroup option');
+    await waitText(page, 'dialog .list', /tendon16 follows pull10 with box/);
+    await page.select('.part[data-kind=hand] select', 'tendon16');
+    await page.select('.part[data-kind=object] select', 'box');
+    await page.select('.part[data-kind=contacts] select', 'motion pull10');
+    await picture(page, 'open_motion');
+    await page.click('dialog button.main');
+    await page.waitForFunction(() => globalThis.handgraft.session.motion?.frames.length === 26, kWaiting);
+    return page;
+  },
+
   async 'A motion is scrubbed: the hand stands where the server has it'(address) {
     const session = await openMotion();
     const page = await openMotionPage(`${address}?session=${session}`);
