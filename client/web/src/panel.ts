@@ -23,6 +23,7 @@ export class Panel {
   readonly weights = h('div', { class: 'weights' });
   private readonly differences = h('table', { class: 'differences', 'aria-label': 'What differs' });
   private ghost: string | number | null = null;
+  private readonly keeping = new Set<string>(); // states that the settings may not tell yet
   private minimaKey = '';
   private weightsKey = '';
   private timer = 0;
@@ -44,6 +45,7 @@ export class Panel {
     this.joints.clear();
     this.weightsKey = this.minimaKey = '';
     this.ghost = null;
+    this.keeping.clear();
     this.differences.replaceChildren();
   }
 
@@ -124,7 +126,24 @@ export class Panel {
 
   private showSnapshots(): void {
     const names = this.session.settings?.snapshots ?? [];
+    const take = h(
+      'button',
+      {
+        disabled: !this.session.mayEdit || undefined,
+        onclick: () => {
+          let number = 1;
+          while (names.includes(`state-${number}`) || this.keeping.has(`state-${number}`)) ++number;
+          const name = `state-${number}`;
+          this.keeping.add(name);
+          this.told.onKeep(name);
+          void this.session.editing.edit(edits.snapshot(name)).then(() => this.session.notify(`Kept as “${name}”.`));
+        },
+      },
+      'Keep this state',
+    );
+    // First, so that it stays where it is while the list grows.
     this.snapshots.replaceChildren(
+      take,
       ...names.map((name) =>
         h(
           'div',
@@ -143,22 +162,8 @@ export class Panel {
           h('button', { class: 'small', title: 'What differs between it and now', hidden: !this.session.link.isLive || undefined, onclick: () => void this.compare(name) }, 'compare'),
         ),
       ),
+      this.differences,
     );
-    const take = h(
-      'button',
-      {
-        disabled: !this.session.mayEdit || undefined,
-        onclick: () => {
-          let number = 1;
-          while (names.includes(`state-${number}`)) ++number;
-          const name = `state-${number}`;
-          this.told.onKeep(name);
-          void this.session.editing.edit(edits.snapshot(name)).then(() => this.session.notify(`Kept as “${name}”.`));
-        },
-      },
-      'Keep this state',
-    );
-    this.snapshots.append(take, this.differences);
   }
 
   /** What changed from a snapshot to now, in the server's words. */

@@ -29,6 +29,9 @@ function isKeptAway({ diagnosis, mean_mm }: PatchFit): boolean {
   return verdict === 'out_of_reach' && 1e3 * miss_m + alone_mm <= mean_mm; // as the server's words have it (core/verdict)
 }
 
+/** What the slider says, which goes by powers of ten. */
+const weightOf = (slider: HTMLInputElement): number => Number((10 ** Number(slider.value)).toPrecision(2));
+
 /** What is too far is measured against that. */
 function reachText({ diagnosis, mean_mm }: PatchFit): string {
   const { verdict, miss_m = 0 } = diagnosis;
@@ -45,6 +48,7 @@ interface PatchRow {
   details: HTMLElement;
   text: HTMLElement;
   weight: HTMLInputElement;
+  factor: HTMLElement;
   suggest: HTMLButtonElement;
   button: HTMLButtonElement;
 }
@@ -112,13 +116,17 @@ export class PatchList {
       'aria-label': `${name} counts`,
       onchange: () => void this.session.editing.edit(edits.enable(name, enabled.checked)),
     });
+    const factor = h('output', { class: 'number' });
     const weight = h('input', {
       type: 'range',
       min: '-1',
       max: '1',
       step: '0.05',
       'aria-label': `weight of ${name}`,
-      onchange: () => void this.session.editing.edit(edits.patchWeight(name, Number((10 ** Number(weight.value)).toPrecision(2)))),
+      oninput: () => {
+        factor.textContent = `× ${weightOf(weight)}`;
+      },
+      onchange: () => void this.session.editing.edit(edits.patchWeight(name, weightOf(weight))),
     });
     const turn = (label: string, title: string, side: 'object' | 'hand', degrees: number) =>
       h('button', { class: 'small', title, onclick: () => void this.session.editing.edit(edits.turn(name, side, degrees / kDegrees)) }, label);
@@ -127,7 +135,7 @@ export class PatchList {
       'div',
       { class: 'details', hidden: true },
       text,
-      h('label', { class: 'line' }, 'Weight', weight),
+      h('label', { class: 'line' }, 'Weight', weight, factor),
       h(
         'div',
         { class: 'line' },
@@ -162,7 +170,7 @@ export class PatchList {
       details,
     );
     element.dataset['patch'] = name;
-    return { element, mean, bar, verdict, enabled, details, text, weight, suggest, button };
+    return { element, mean, bar, verdict, enabled, details, text, weight, factor, suggest, button };
   }
 
   private fill(row: PatchRow, state: { name: string; enabled: boolean; placed: boolean; reason: string; weight: number }, fit: PatchFit | undefined): void {
@@ -197,7 +205,10 @@ export class PatchList {
     ]
       .filter((part) => part !== '')
       .join(' ');
-    if (document.activeElement !== row.weight) row.weight.value = String(Math.log10(Math.max(0.1, state.weight)));
+    if (document.activeElement !== row.weight) {
+      row.weight.value = String(Math.log10(Math.max(0.1, state.weight)));
+      row.factor.textContent = `× ${Number(state.weight.toPrecision(2))}`;
+    }
     row.suggest.hidden = motion !== null; // it is the grasp's
     for (const control of row.details.querySelectorAll('button, input')) {
       (control as HTMLButtonElement).disabled = !this.session.mayEdit;

@@ -332,6 +332,12 @@ const tests = {
     // The arrows move the root of the contact that is chosen.
     await page.click('#to-patches');
     await page.click('[data-patch=thumb] .row');
+    await edited(async () => {
+      await page.focus('[aria-label="weight of thumb"]');
+      await page.keyboard.press('End');
+    });
+    assert.equal((await patch('thumb')).weight, 10);
+    assert.match(await page.$eval('[data-patch=thumb] .details output', (one) => one.textContent), /^× 10$/);
     const before = (await patch('thumb')).root_S;
     await page.focus('canvas');
     await edited(() => page.keyboard.press('ArrowLeft'));
@@ -344,8 +350,16 @@ const tests = {
       await edited(() => minima[1].click());
       assert.match(await page.evaluate(() => globalThis.handgraft.session.state.last_edit), /^choose/);
     }
-    await page.evaluate(() => [...document.querySelectorAll('button')].find((one) => one.textContent === 'Keep this state').click());
+    // Twice at the same place keeps it twice, and goes back to nothing.
+    const keep = await page.evaluateHandle(() => [...document.querySelectorAll('button')].find((one) => one.textContent === 'Keep this state'));
+    await keep.evaluate((one) => one.scrollIntoView({ block: 'center' }));
+    const at = await keep.boundingBox();
+    await page.mouse.click(at.x + at.width / 2, at.y + at.height / 2);
     await page.waitForFunction(() => globalThis.handgraft.session.settings.snapshots.length === 1, kWaiting);
+    await sleep(300);
+    await page.mouse.click(at.x + at.width / 2, at.y + at.height / 2);
+    await page.waitForFunction(() => globalThis.handgraft.session.settings.snapshots.length === 2, kWaiting);
+    assert.equal(await page.evaluate(() => globalThis.handgraft.session.state.last_edit), 'snapshot state-2');
     return page;
   },
 
