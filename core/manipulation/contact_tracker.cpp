@@ -6,14 +6,17 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/manipulation/joint_noise.h"
 
 namespace handgraft::manipulation {
 
 namespace {
 
 constexpr double kMovedTouch = 0.001;    // m
+constexpr double kNoNoise = 4.0;         // times its standard deviation
 constexpr double kShortestTouch = 0.04;  // s
 constexpr double kPalmFlesh = 0.015;     // m
+constexpr double kToldNoise = 0.0005;    // m
 
 struct Part {
   int digit = -1;       // 0 thumb to 4 little; -1: the palm
@@ -85,6 +88,8 @@ struct Frame {
     return (thumbward_O - thumbward_O.dot(bone) * bone).normalized();
   }
 
+  /// Where on the part the touch lies that is towards p_O. Its bone may be measured on the
+  /// object's surface, or inside: so a place in the object, beyond the bone.
   [[nodiscard]] hand::HandLocation placeOf(const Part& part, const Eigen::Vector3d& p_O) const {
     hand::HandLocation place;
     place.along = part.along;
@@ -117,8 +122,10 @@ void requireFinite(const DemonstratedFrame& frame) {
 /// Tracks of a demonstration's touches, made frame by frame.
 class TouchTracks {
  public:
-  TouchTracks(const geometry::TriangleMesh& object_O, std::size_t frames)
+  /// `moved_m`: from where its last key lies a touch has moved on by that.
+  TouchTracks(const geometry::TriangleMesh& object_O, std::size_t frames, double moved_m)
       : object_O_(object_O),
+        moved_m_(moved_m),
         frames_(static_cast<int>(frames)),
         open_(touchParts().size()),
         last_O_(touchParts().size()) {}
@@ -157,7 +164,7 @@ class TouchTracks {
     const std::string& name = touchParts()[part].name;
     const Eigen::Vector3d p_O = positionOf(object_O_, touch.point_O);
     std::optional<PatchTrack>& track = open_[part];
-    if (track && (p_O - last_O_[part]).norm() < kMovedTouch) return;
+    if (track && (p_O - last_O_[part]).norm() < moved_m_) return;
     if (!track) track.emplace().name = name;
     PatchKey key;
     key.frame = k;
@@ -182,6 +189,7 @@ class TouchTracks {
   }
 
   const geometry::TriangleMesh& object_O_;
+  double moved_m_;
   int frames_;
   Motion motion_;
   std::vector<std::optional<PatchTrack>> open_;  // by part: the touch that lasts
@@ -205,7 +213,10 @@ class TouchTracks {
 }  // namespace
 
 ContactTracker::ContactTracker(const geometry::TriangleMesh& object_O)
-    : object_O_(object_O), locator_(object_O), touches_(touchParts().size(), 0) {}
+    : object_O_(object_O),
+      locator_(object_O),
+      is_solid_(object_O.isClosed()),
+      touches_(touchParts().size(), 0) {}
 
 const std::vector<std::string>& ContactTracker::partNames() {
   static const std::vector<std::string> part_names = [] {
@@ -227,8 +238,11 @@ std::vector<DetectedContact> ContactTracker::see(const DemonstratedFrame& frame)
     const double reach = part.flesh_m + (touches_[i] != 0 ? kEnd : kBegin);
     touches_[i] = hit.distance <= reach ? 1 : 0;
     if (touches_[i] == 0) continue;
-    touches.push_back({static_cast<int>(i),
-                       joints.placeOf(part, positionOf(object_O_, hit.point)), hit.point});
+    const Eigen::Vector3d p_O = positionOf(object_O_, hit.point);
+    // Which side of a sheet is out, nobody knows.
+    const Eigen::Vector3d beyond_O =
+        is_solid_ ? p_O - 2.0 * part.flesh_m * normalOf(object_O_, hit.point) : p_O;
+    touches.push_back({static_cast<int>(i), joints.placeOf(part, beyond_O), hit.point});
   }
   return touches;
 }
@@ -260,16 +274,25 @@ Motion motionOfDemonstration(const std::vector<DemonstratedFrame>& frames,
   if (frames.empty()) rejectInput("a demonstration without frames is no motion");
   if (frames.size() > static_cast<std::size_t>(kMostFrames))
     rejectInput("{} frames are more than the {} permitted", frames.size(), kMostFrames);
-  ContactTracker tracker(object_O);
-  TouchTracks tracks(object_O, frames.size());
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const DemonstratedFrame& frame = frames[k];
     if (!std::isfinite(frame.time_s) || (k > 0 && frame.time_s <= frames[k - 1].time_s))
       rejectInput("frame {}: its time {} s does not lie behind the one before", k,
                   frame.time_s);
-    tracks.append(frame, tracker.see(frame));
+    requireFinite(frame);
   }
+  const double noise_m = jointNoise(frames);
+  ContactTracker tracker(object_O);
+  const EvenedFrames even = evenedOut(frames, noise_m);
+  // What noise leaves moves no touch.
+  TouchTracks tracks(object_O, frames.size(), std::max(kMovedTouch, kNoNoise * even.noise_m));
+  for (const DemonstratedFrame& frame : even.frames)
+    tracks.append(frame, tracker.see(frame));
   Motion motion = std::move(tracks).finish();
+  if (noise_m > kToldNoise)
+    motion.notes.push_back(
+        fmt::format("joints are measured with some {:.1f} mm of noise, which is evened out",
+                    1e3 * noise_m));
   if (motion.tracks.empty()) rejectUntouched(frames, object_O);
   motion.side = frames.front().side == hand::HandSide::kLeft ? hand::Chirality::kLeft
                                                              : hand::Chirality::kRight;

@@ -56,6 +56,7 @@ class ContactTracker {
  private:
   const geometry::TriangleMesh& object_O_;
   geometry::SurfaceLocator locator_;
+  bool is_solid_;
   std::vector<char> touches_;
 };
 
@@ -64,8 +65,9 @@ class ContactTracker {
 std::vector<contact::PartDirection> postureOf(const DemonstratedFrame& frame);
 
 /// The motion of a demonstration: a track from where a part begins to touch until it ends, a
-/// key where the touch has moved by a millimetre. Touches that last less than 40 ms are left
-/// out, and noted.
+/// key where the touch has moved by a millimetre, or by what noise of the joints may move it,
+/// which is measured, evened out (joint_noise.h), and noted. Touches that last less than 40 ms
+/// are left out, and noted.
 /// Errors: InvalidInput for no frames, times that do not rise, what is not finite, and if
 /// nothing ever touches: how near it came.
 Motion motionOfDemonstration(const std::vector<DemonstratedFrame>& frames,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -100,6 +101,26 @@ TEST(ContactTracker, AHandFlatOnATableTouchesWithItsPalmarSide) {
   }
 }
 
+// Cameras see a hand in what it holds as easily as beside it.
+TEST(ContactTracker, BonesMeasuredInsideTheTableTouchWithTheSameSide) {
+  const DemonstratedFrame frame = frameOf(ManoPose::Zero());
+  const double lowest = frame.joints_W.row(1).minCoeff();
+  const double highest = frame.joints_W.row(1).maxCoeff();
+  for (const double inside_m : {-0.004, 0.0, 0.004}) {
+    const geometry::TriangleMesh table = slab(lowest + inside_m);
+    const auto outside = ContactTracker(table).see(frame);
+    const geometry::TriangleMesh above = slab(highest + inside_m + 0.1);
+    for (const DetectedContact& touch : outside)
+      EXPECT_LT(std::abs(touch.place.around_rad), std::numbers::pi / 2)
+          << ContactTracker::partNames()[static_cast<std::size_t>(touch.part)] << ", "
+          << inside_m;
+    for (const DetectedContact& touch : ContactTracker(above).see(frame))
+      EXPECT_TRUE(touch.place.digit == hand::kPalmPart || touch.place.digit == "thumb" ||
+                  std::abs(touch.place.around_rad) > std::numbers::pi / 2)
+          << "the box's lower face, which the back touches";
+  }
+}
+
 TEST(ContactTracker, FromBehindItTouchesWithItsBack) {
   // The same table above the hand.
   const geometry::TriangleMesh table = slab(0.116);
@@ -172,6 +193,26 @@ TEST(MotionOfDemonstration, TracksBeginAndEndWithTheTouch) {
     EXPECT_TRUE(track.keys.front().patch.place.has_value());
     EXPECT_GT(track.keys.size(), 3u) << "it slides";
   }
+}
+
+// A hand that rests is one grasp, however its joints are measured.
+TEST(MotionOfDemonstration, NoiseMovesNoTouch) {
+  const geometry::TriangleMesh table = slab(-0.012);
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 0.002);
+  std::vector<DemonstratedFrame> frames;
+  for (int k = 0; k < 240; ++k) {
+    frames.push_back(frameOf(ManoPose::Zero(), k / 60.0));
+    for (double& coordinate : frames.back().joints_W.reshaped())
+      coordinate += noise(random);
+  }
+  const Motion motion = motionOfDemonstration(frames, table);
+  EXPECT_THAT(motion.notes, testing::Contains(HasSubstr("some 2.0 mm of noise")));
+  std::size_t keys = 0;
+  for (const PatchTrack& track : motion.tracks)
+    keys += track.keys.size();
+  ASSERT_GE(motion.tracks.size(), 8u);
+  EXPECT_LT(keys, 3 * motion.tracks.size());
 }
 
 TEST(MotionOfDemonstration, SaysWhatIsWrong) {
