@@ -61,7 +61,7 @@ Demonstration readDemonstration(const std::filesystem::path& path) {
   const std::string text = readFile(path);
   try {
     const formats::Demonstration read = formats::parseDemonstration(text);
-    return {read.object, framesOf(read)};
+    return {read.object, framesOf(read), read.notes};
   } catch (const InvalidInput& error) {
     rejectInput("{}: {}", quoted(path.string()), error.what());
   }

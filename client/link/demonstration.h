@@ -42,6 +42,8 @@ struct Demonstration {
   /// Times, side, joints' places or MANO's pose, the object's pose. Sessions and numbers are
   /// left to whoever sends them.
   std::vector<v1::DemonstratorFrame> frames;
+  /// For whoever recorded it: frames that were left out, gaps in time, what is not read.
+  std::vector<std::string> notes;
 };
 
 /// Reads `handgraft-demonstration/1` (core/io/FORMATS.md) as the frames that a server follows.

@@ -10,4 +10,9 @@ namespace handgraft {
 /// tell, as of a few frames. Cost: linear.
 std::string timeUnitNote(const std::vector<double>& time_s);
 
+/// What to tell whose tracker lost sight, by the times (s, rising) of its frames: gaps of a
+/// tenth of a second and more, and five times as long as most. Empty: there are none, as in a
+/// few frames. Cost: linear.
+std::string timeGapNote(const std::vector<double>& time_s);
+
 }  // namespace handgraft

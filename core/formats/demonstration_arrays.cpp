@@ -41,20 +41,22 @@ const NpzArray* rowsNamed(const Arrays& arrays,
   return nullptr;
 }
 
-/// The object's name; recordings call arrays of other things so, too.
-std::string objectIn(const Arrays& arrays) {
-  const auto found = arrays.find("object");
-  return found == arrays.end() ? "" : found->second.text;
-}
-
-/// Which hand it is: what tells nothing would be taken for a right one.
-std::string sideIn(const Arrays& arrays) {
-  const auto found = arrays.find("side");
+/// A single text, or "" where there is none of that name. Errors: InvalidInput for what is
+/// there and no text, such as an object array: whoever wrote it wanted to say something.
+std::string textNamed(const Arrays& arrays, const char* name) {
+  const auto found = arrays.find(name);
   if (found == arrays.end()) return "";
   if (found->second.text.empty())
-    rejectInput("array 'side' is no single text: its type is {}, its shape ({})",
+    rejectInput("array {} is no single text: its type is {}, its shape ({})", quoted(name),
                 quoted(found->second.type), fmt::join(found->second.shape, ", "));
   return found->second.text;
+}
+
+/// The object's name; recordings call arrays of numbers so, too.
+std::string objectIn(const Arrays& arrays) {
+  const auto found = arrays.find("object");
+  if (found != arrays.end() && !found->second.values.empty()) return "";
+  return textNamed(arrays, "object");
 }
 
 json jsonRows(const NpzArray& array, std::size_t columns) {
@@ -156,13 +158,17 @@ json objectPosesFrom(const Arrays& arrays) {
 Demonstration demonstrationFrom(const Arrays& arrays) {
   json root = {{"format", kDemonstrationFormat}};
   if (const std::string object = objectIn(arrays); !object.empty()) root["object"] = object;
-  if (const std::string side = sideIn(arrays); !side.empty()) root["side"] = side;
+  if (const std::string side = textNamed(arrays, "side"); !side.empty()) root["side"] = side;
   const std::size_t frames = putHand(arrays, root);
   if (const NpzArray* places = rowsNamed(arrays, {"mano_translation_m", "trans", "transl"}, 3))
     root["mano_translation_m"] = jsonRows(*places, 3);
   root["time_s"] = timesFrom(arrays, frames);
   root["object_pose"] = objectPosesFrom(arrays);
-  return demonstrationFrom(root);
+  Demonstration demonstration = demonstrationFrom(root);
+  if (arrays.contains("betas"))
+    demonstration.notes.emplace_back(
+        "array 'betas' is not read: MANO's pose is that of the mean hand");
+  return demonstration;
 }
 
 std::string objectOfNpz(std::string_view bytes) {

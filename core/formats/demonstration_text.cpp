@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/base/time_note.h"
 #include "core/formats/demonstration_arrays.h"
 #include "core/formats/json_keys.h"
 #include "core/formats/npz_file.h"
@@ -45,15 +46,28 @@ void requireNoMore(const json& root, std::size_t frames) {
   }
 }
 
-/// A list of `count` finite numbers, behind those in `numbers`.
+/// Trackers write so what they lost.
+bool isLost(const json& number) {
+  return number.is_null() || (number.is_number() && std::isnan(number.get<double>()));
+}
+
+/// A list of `count` finite numbers, behind those in `numbers`; NaN for what was lost.
 void append(const json& row,
             const char* name,
             std::size_t frame,
             std::size_t count,
             std::vector<double>& numbers) {
+  if (row.is_null()) {
+    numbers.insert(numbers.end(), count, std::nan(""));
+    return;
+  }
   if (!row.is_array() || row.size() != count)
     rejectInput("field '{}', frame {}: it must be a list of {} numbers", name, frame, count);
   for (const json& number : row) {
+    if (isLost(number)) {
+      numbers.push_back(std::nan(""));
+      continue;
+    }
     if (!number.is_number() || !std::isfinite(number.get<double>()))
       rejectInput("field '{}', frame {}: {} is no finite number", name, frame, shown(number));
     numbers.push_back(number.get<double>());
@@ -64,6 +78,10 @@ void appendPlaces(const json& row,
                   const char* name,
                   std::size_t frame,
                   std::vector<double>& numbers) {
+  if (row.is_null()) {
+    numbers.assign(3 * kJoints, std::nan(""));
+    return;
+  }
   if (!row.is_array() || row.size() != kJoints)
     rejectInput("field '{}', frame {}: it must be a list of {} places", name, frame, kJoints);
   for (const json& place : row)
@@ -84,6 +102,39 @@ std::vector<double> timesIn(const json& root) {
   }
   if (times.empty()) rejectInput("field 'time_s' has no frames");
   return times;
+}
+
+/// Leaves out what the tracker lost, and says so.
+void leaveOutLost(Demonstration& demonstration) {
+  const auto is_lost = [](const DemonstrationFrame& frame) {
+    const auto is_nan = [](double number) {
+      return std::isnan(number);
+    };
+    return std::any_of(frame.values.begin(), frame.values.end(), is_nan) ||
+           std::any_of(frame.object_pose.begin(), frame.object_pose.end(), is_nan);
+  };
+  std::vector<DemonstrationFrame>& frames = demonstration.frames;
+  const auto first = std::find_if(frames.begin(), frames.end(), is_lost);
+  if (first == frames.end()) return;
+  const double first_s = first->time_s;
+  const std::size_t before = frames.size();
+  std::erase_if(frames, is_lost);
+  const std::size_t lost = before - frames.size();
+  if (frames.empty())
+    rejectInput("each of the {} frames has null or NaN in place of a number", before);
+  demonstration.notes.push_back(fmt::format(
+      "left out {} of {} frames, which have null or NaN in place of a number{} {:.3f} "
+      "s",
+      lost, before, lost == 1 ? ": at" : ", the first at", first_s));
+}
+
+/// What is to be told of the frames that are left.
+void noteGaps(Demonstration& demonstration) {
+  std::vector<double> times;
+  for (const DemonstrationFrame& frame : demonstration.frames)
+    times.push_back(frame.time_s);
+  if (std::string note = timeGapNote(times); !note.empty())
+    demonstration.notes.push_back(std::move(note));
 }
 
 bool isLeftIn(const json& root) {
@@ -130,13 +181,15 @@ Demonstration demonstrationFrom(const json& root) {
     demonstration.frames.push_back(std::move(frame));
   }
   requireNoMore(root, demonstration.frames.size());
+  leaveOutLost(demonstration);
+  noteGaps(demonstration);
   return demonstration;
 }
 
 Demonstration parseDemonstration(std::string_view bytes) {
   try {
     return isZip(bytes) ? demonstrationFrom(readNpz(bytes))
-                        : demonstrationFrom(json::parse(bytes));
+                        : demonstrationFrom(parsedJson(bytes));
   } catch (const json::exception& error) {
     rejectInput("{}", error.what());
   }

@@ -27,9 +27,12 @@ struct Demonstration {
   bool is_left = false;
   bool is_mano = false;
   std::vector<DemonstrationFrame> frames;  ///< at least one; their times grow
+  /// For whoever recorded it: frames that were left out, gaps in time, what is not read.
+  std::vector<std::string> notes;
 };
 
-/// Of JSON, or of NumPy's `.npz` (demonstration_arrays.h).
+/// Of JSON, or of NumPy's `.npz` (demonstration_arrays.h). Frames that the tracker lost, `null`
+/// or NaN in place of a number, are left out and noted.
 /// Errors: InvalidInput naming the field and the frame, or where the JSON ends to be such.
 Demonstration parseDemonstration(std::string_view bytes);
 

@@ -10,6 +10,32 @@
 
 namespace handgraft::formats {
 
+namespace {
+
+/// NaN outside of texts becomes null.
+std::string withoutNan(std::string_view text) {
+  constexpr std::string_view kNan = "NaN";
+  std::string plain;
+  bool is_in_text = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (!is_in_text && text.substr(at, kNan.size()) == kNan) {
+      plain += "null";
+      at += kNan.size() - 1;
+      continue;
+    }
+    plain += text[at];
+    if (text[at] == '"') is_in_text = !is_in_text;
+    if (is_in_text && text[at] == '\\' && at + 1 < text.size()) plain += text[++at];
+  }
+  return plain;
+}
+
+}  // namespace
+
+nlohmann::json parsedJson(std::string_view text) {
+  return nlohmann::json::parse(withoutNan(text));
+}
+
 std::optional<std::string> unknownKeyIn(const nlohmann::json& value,
                                         std::initializer_list<const char*> permitted) {
   if (!value.is_object()) return std::nullopt;
@@ -23,6 +49,9 @@ std::optional<std::string> unknownKeyIn(const nlohmann::json& value,
 
 std::string shown(const nlohmann::json& value) {
   if (value.is_structured()) return fmt::format("an {}", value.type_name());
+  // JSON has no infinity, and writes null.
+  if (value.is_number_float() && !std::isfinite(value.get<double>()))
+    return handgraft::quoted(fmt::format("{}", value.get<double>()));
   return handgraft::quoted(value.dump());
 }
 

@@ -3,10 +3,15 @@
 #include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <nlohmann/json_fwd.hpp>
 
 namespace handgraft::formats {
+
+/// JSON as Python's `json.dump` writes it, too: NaN, which JSON does not know, is read as null,
+/// so that whoever reads a field can name it. Errors: nlohmann::json::exception.
+nlohmann::json parsedJson(std::string_view text);
 
 /// What is wrong with an object's first key that is not `permitted`: a misspelt optional field
 /// must not count as an absent one. Nothing if all are, or if `value` is no object.

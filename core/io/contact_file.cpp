@@ -395,7 +395,7 @@ json setIn(const std::filesystem::path& path) {
         "a PLY with a value at each vertex, "
         "an OBJ with colours at its vertices (--colors SCALE), or a set of patches as JSON");
   }
-  return json::parse(textOf(path));
+  return formats::parsedJson(textOf(path));
 }
 
 }  // namespace

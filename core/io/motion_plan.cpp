@@ -29,7 +29,7 @@ constexpr const char* kPlanFormat = "handgraft-motion-plan/1";
 
 json rootOf(const std::filesystem::path& path) {
   try {
-    json root = json::parse(readFileBytes(path));
+    json root = formats::parsedJson(readFileBytes(path));
     if (!root.is_object()) rejectInput("is no JSON object");
     return root;
   } catch (const json::exception& error) {

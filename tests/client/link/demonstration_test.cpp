@@ -1,7 +1,9 @@
 #include "client/link/demonstration.h"
 
 #include <fstream>
+#include <vector>
 
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -58,6 +60,17 @@ TEST(Demonstration, TheOtherSideOfTheHandThatFollowsIsTold) {
 
 TEST(Demonstration, OneThatNamesNoObjectIsOfAny) {
   EXPECT_EQ(noteOfAnotherObject(demonstrationWith(""), sessionOn("box")), "");
+}
+
+TEST(Demonstration, TellsFramesThatTheTrackerLost) {
+  const auto path = test::scratchDirectory() / "lost.json";
+  const std::string zero = fmt::format("[{}]", fmt::join(std::vector<int>(48, 0), ","));
+  std::ofstream(path) << "{\"format\":\"handgraft-demonstration/1\",\"time_s\":[0,0.5],"
+                         "\"object_pose\":[[0,0,0,1,0,0,0]],\"mano_pose_rad\":["
+                      << zero << "," << zero << "],\"mano_translation_m\":[[0,0,NaN],[0,0,0]]}";
+  const Demonstration read = readDemonstration(path);
+  EXPECT_EQ(read.frames.size(), 1U);
+  EXPECT_THAT(read.notes, testing::ElementsAre(HasSubstr("left out 1 of 2 frames")));
 }
 
 }  // namespace

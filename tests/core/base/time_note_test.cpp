@@ -33,5 +33,15 @@ TEST(TimeNote, LeavesSecondsAlone) {
   EXPECT_EQ(timeUnitNote(with_a_gap), "");
 }
 
+TEST(TimeNote, TellsGaps) {
+  EXPECT_EQ(timeGapNote(times(30, 1.0)), "");
+  std::vector<double> lost = {0.0, 0.1, 0.2, 0.3, 0.4, 1.4, 1.5};
+  EXPECT_EQ(timeGapNote(lost), "1.00 s without frames at 0.40 s");
+  lost.push_back(2.1);
+  EXPECT_EQ(timeGapNote(lost), "1.00 s without frames at 0.40 s, 2 such gaps of 1.60 s in all");
+  EXPECT_EQ(timeGapNote({0.0, 0.01, 0.02, 0.03, 0.11, 0.12}), "") << "less than a tenth";
+  EXPECT_EQ(timeGapNote({0.0, 1.0, 7.0}), "") << "keys that somebody set";
+}
+
 }  // namespace
 }  // namespace handgraft
