@@ -6,7 +6,9 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/geometry/signed_distance.h"
 #include "core/manipulation/joint_noise.h"
+#include "core/manipulation/recorded_frames.h"
 
 namespace handgraft::manipulation {
 
@@ -206,8 +208,29 @@ class TouchTracks {
     for (int joint = 0; joint < joints_O.cols(); ++joint)
       nearest = std::min(nearest, locator.nearest(joints_O.col(joint)).distance);
   }
-  rejectInput("the hand touches nothing: its joints come no nearer than {:.1f} mm",
-              1e3 * nearest);
+  constexpr double kInNoRoom = 10.0;  // m
+  rejectInput("the hand touches nothing: its joints come no nearer than {:.1f} mm{}",
+              1e3 * nearest,
+              nearest > kInNoRoom ? ": are hand and object both in metres?" : "");
+}
+
+/// That joints lie where no flesh lets them: another object, or another pose of it. Empty: no
+/// joint does.
+std::string noteOfDepth(const std::vector<DemonstratedFrame>& frames,
+                        const geometry::TriangleMesh& object_O) {
+  const std::vector<double> depths = depthsOfJoints(frames, object_O);
+  const double deepest = *std::max_element(depths.begin(), depths.end());
+  if (deepest <= kImpossibleDepth) return "";
+  return fmt::format(
+      "joints lie up to {:.0f} mm inside the object, in {} of {} frames more than {:.0f}: is "
+      "it "
+      "that object, in that pose (x y z qw qx qy qz)?",
+      1e3 * deepest,
+      std::count_if(depths.begin(), depths.end(),
+                    [](double depth) {
+                      return depth > kImpossibleDepth;
+                    }),
+      frames.size(), 1e3 * kImpossibleDepth);
 }
 
 }  // namespace
@@ -269,31 +292,50 @@ std::vector<contact::PartDirection> postureOf(const DemonstratedFrame& frame) {
   return posture;
 }
 
+std::vector<double> depthsOfJoints(const std::vector<DemonstratedFrame>& frames,
+                                   const geometry::TriangleMesh& object_O) {
+  const geometry::SignedDistance distance_O(object_O, geometry::Holes::kOpenWideOnes);
+  std::vector<double> depths;
+  for (const DemonstratedFrame& frame : frames) {
+    const hand::JointPlaces joints_O = Frame(frame).joints_O;
+    double depth = 0.0;
+    for (int joint = 0; joint < joints_O.cols(); ++joint)
+      depth = std::max(depth, -distance_O.at(joints_O.col(joint)).distance);
+    depths.push_back(depth);
+  }
+  return depths;
+}
+
 Motion motionOfDemonstration(const std::vector<DemonstratedFrame>& frames,
                              const geometry::TriangleMesh& object_O) {
   if (frames.empty()) rejectInput("a demonstration without frames is no motion");
   if (frames.size() > static_cast<std::size_t>(kMostFrames))
     rejectInput("{} frames are more than the {} permitted", frames.size(), kMostFrames);
   for (std::size_t k = 0; k < frames.size(); ++k) {
-    const DemonstratedFrame& frame = frames[k];
-    if (!std::isfinite(frame.time_s) || (k > 0 && frame.time_s <= frames[k - 1].time_s))
-      rejectInput("frame {}: its time {} s does not lie behind the one before", k,
-                  frame.time_s);
-    requireFinite(frame);
+    const double time_s = frames[k].time_s;
+    if (!std::isfinite(time_s) || (k > 0 && time_s <= frames[k - 1].time_s))
+      rejectInput("frame {}: its time {} s does not lie behind the one before", k, time_s);
   }
-  const double noise_m = jointNoise(frames);
+  const RecordedFrames recorded = withoutGlitches(frames);
+  for (const DemonstratedFrame& frame : recorded.frames)
+    requireFinite(frame);
+  const double noise_m = jointNoise(recorded.frames);
   ContactTracker tracker(object_O);
-  const EvenedFrames even = evenedOut(frames, noise_m);
+  const EvenedFrames even = evenedOut(recorded.frames, noise_m);
   // What noise leaves moves no touch.
-  TouchTracks tracks(object_O, frames.size(), std::max(kMovedTouch, kNoNoise * even.noise_m));
+  TouchTracks tracks(object_O, even.frames.size(),
+                     std::max(kMovedTouch, kNoNoise * even.noise_m));
   for (const DemonstratedFrame& frame : even.frames)
     tracks.append(frame, tracker.see(frame));
   Motion motion = std::move(tracks).finish();
+  motion.notes.insert(motion.notes.begin(), recorded.notes.begin(), recorded.notes.end());
   if (noise_m > kToldNoise)
     motion.notes.push_back(
         fmt::format("joints are measured with some {:.1f} mm of noise, which is evened out",
                     1e3 * noise_m));
-  if (motion.tracks.empty()) rejectUntouched(frames, object_O);
+  if (motion.tracks.empty()) rejectUntouched(recorded.frames, object_O);
+  if (std::string note = noteOfDepth(even.frames, object_O); !note.empty())
+    motion.notes.push_back(std::move(note));
   motion.side = frames.front().side == hand::HandSide::kLeft ? hand::Chirality::kLeft
                                                              : hand::Chirality::kRight;
   validate(object_O, motion);

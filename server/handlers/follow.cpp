@@ -21,27 +21,6 @@ namespace {
 constexpr std::size_t kJointPlaceValues = 63;
 constexpr std::size_t kManoValues = 51;
 
-/// Places in other units than metres, or of no hand, are followed to no good.
-void requireHandSized(const hand::JointPlaces& joints_W) {
-  constexpr double kShortest = 0.05;  // m
-  constexpr double kLongest = 0.5;    // m
-  constexpr int kMiddleKnuckle = 9;
-  double length = (joints_W.col(kMiddleKnuckle) - joints_W.col(0)).norm();
-  for (int joint = kMiddleKnuckle; joint < kMiddleKnuckle + 3; ++joint)
-    length += (joints_W.col(joint + 1) - joints_W.col(joint)).norm();
-  const auto is_hands = [](double length_m) {
-    return length_m >= kShortest && length_m <= kLongest;
-  };
-  if (is_hands(length)) return;
-  rejectInput(
-      "values: from the wrist along the middle finger to its tip {:.3g} m; a hand has {} to "
-      "{}{}",
-      length, kShortest, kLongest,
-      is_hands(1e-3 * length)   ? ": millimetres?"
-      : is_hands(1e-2 * length) ? ": centimetres?"
-                                : "");
-}
-
 manipulation::DemonstratedFrame demonstratedFrom(const v1::DemonstratorFrame& message) {
   manipulation::DemonstratedFrame frame;
   frame.time_s = message.time_s();
@@ -65,7 +44,7 @@ manipulation::DemonstratedFrame demonstratedFrom(const v1::DemonstratorFrame& me
     rejectInput("kind {}: it must be joint_places, mano or joints",
                 static_cast<unsigned>(message.kind()));
   }
-  requireHandSized(frame.joints_W);
+  hand::requireHand(frame.joints_W, frame.side);
   return frame;
 }
 

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/hand/demonstrated_joints.h"
 #include "server/admission/service.h"
 
 #include "tests/server/recording_bus.h"
@@ -120,6 +121,18 @@ TEST_F(FollowingTest, PlacesInMillimetresAreAskedFor) {
   bus.send(with_finger_of(2000.0));
   ASSERT_TRUE(isTold("to its tip 2e+03 m"));
   EXPECT_EQ(message().find("metres?"), std::string::npos) << message();
+}
+
+TEST_F(FollowingTest, JointsInAnotherOrderAreRefused) {
+  const hand::JointPlaces joints =
+      hand::manoJointPlaces(Eigen::Matrix<double, hand::kManoPoseSize, 1>::Zero(),
+                            Eigen::Vector3d::Zero(), hand::HandSide::kRight);
+  v1::DemonstratorFrame frame = places(0.0, 63);
+  hand::JointPlaces wrist_last;
+  wrist_last << joints.rightCols<20>(), joints.col(0);
+  frame.values().assign(wrist_last.data(), wrist_last.data() + wrist_last.size());
+  bus.send(frame);
+  EXPECT_TRUE(isTold("another order, the wrist last"));
 }
 
 TEST_F(FollowingTest, AnotherDemonstratorIsToldAnewThoughItBeTheSame) {

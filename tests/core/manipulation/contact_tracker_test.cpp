@@ -215,6 +215,23 @@ TEST(MotionOfDemonstration, NoiseMovesNoTouch) {
   EXPECT_LT(keys, 3 * motion.tracks.size());
 }
 
+TEST(MotionOfDemonstration, LeavesOutGlitchesAndTellsJointsInsideTheObject) {
+  const geometry::TriangleMesh table = slab(0.0);
+  std::vector<DemonstratedFrame> frames;
+  for (int k = 0; k < 60; ++k) {
+    frames.push_back(frameOf(ManoPose::Zero(), k / 60.0));
+    frames.back().X_WO.translation().y() = k < 30 ? -0.01 : 0.012;
+  }
+  frames[10].joints_W.setZero();
+  const Motion motion = motionOfDemonstration(frames, table);
+  EXPECT_EQ(motion.frameCount(), 59);
+  EXPECT_THAT(motion.notes,
+              testing::ElementsAre(
+                  HasSubstr("left out 1 of 60 frames: at 0.167 s"),
+                  testing::ContainsRegex("joints lie up to 3[0-9] mm inside the object, in "
+                                         "30 of 59 frames more than 20: is it that object")));
+}
+
 TEST(MotionOfDemonstration, SaysWhatIsWrong) {
   const geometry::TriangleMesh table = slab(-1.0);
   const auto objection = [&](const std::vector<DemonstratedFrame>& frames) -> std::string {
@@ -229,6 +246,10 @@ TEST(MotionOfDemonstration, SaysWhatIsWrong) {
   EXPECT_THAT(objection({}), HasSubstr("without frames"));
   EXPECT_THAT(objection({frame}), HasSubstr("touches nothing: its joints come no nearer than"));
   EXPECT_THAT(objection({frame, frame}), HasSubstr("does not lie behind"));
+  DemonstratedFrame in_mm = frame;
+  in_mm.X_WO.translation().x() = 500.0;
+  EXPECT_THAT(objection({in_mm}), HasSubstr("both in metres?"));
+  EXPECT_THAT(objection({frame}), testing::Not(HasSubstr("both in metres?")));
 }
 
 }  // namespace
