@@ -3,8 +3,10 @@
 #include <fstream>
 #include <map>
 
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
 #include "core/formats/npz_file.h"
@@ -17,8 +19,10 @@ namespace handgraft::io {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 class MotionPlan : public testing::Test {
  protected:
@@ -183,6 +187,26 @@ TEST_F(MotionPlan, AHumanHandOverTimeIsAMotionOfWhatItTouches) {
               AllOf(HasSubstr("'time_s', frame 2"), HasSubstr("does not lie behind")));
   EXPECT_THAT(objection(file("\"joints_W_m\":[[[0,0,0]]]")), HasSubstr("list of 21 places"));
   EXPECT_THAT(objection(file(poses + ",\"hand\":1," + still)), HasSubstr("hand"));
+}
+
+TEST_F(MotionPlan, AWristsPlaceInsteadOfManosTranslationIsTold) {
+  json root = {{"format", "handgraft-demonstration/1"},
+               {"object", "box"},
+               {"time_s", {0.0, 0.1, 0.2}},
+               {"object_pose", {{0, -0.026, 0, 1, 0, 0, 0}}},
+               {"mano_pose_rad", std::vector(3, std::vector<double>(48, 0.0))}};
+  const auto told = [&](double x) {
+    root["mano_translation_m"] = std::vector(3, std::vector<double>{x, 0.0064, 0.0062});
+    try {
+      const manipulation::Motion motion = read(root.dump());
+      return fmt::format("{}", fmt::join(motion.notes, "; "));
+    } catch (const InvalidInput& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_THAT(told(0.0), Not(HasSubstr("the wrist's place")));
+  EXPECT_THAT(told(0.0957), AllOf(HasSubstr("is the translation the wrist's place?"),
+                                  HasSubstr("(0.0957, 0.0064, 0.0062) m")));
 }
 
 TEST_F(MotionPlan, AManoSequenceMayBeNumPys) {
