@@ -12,6 +12,8 @@ namespace {
 constexpr std::chrono::milliseconds kOtherStops(750);
 // Whoever is not refused until then is followed, and what is said later is of somebody else.
 constexpr std::chrono::milliseconds kBeginning(2000);
+// Refusals alone for longer are no glitch of a tracker.
+constexpr std::chrono::milliseconds kGlitches(1000);
 
 }  // namespace
 
@@ -19,6 +21,7 @@ void FollowAnswers::sent(double time_s, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   if (!begun_) begun_ = now;
   sent_[time_s] = now;
+  sent_last_s_ = time_s;
 }
 
 void FollowAnswers::came(const v1::PoseSolution& solution, Clock::time_point now) {
@@ -28,11 +31,16 @@ void FollowAnswers::came(const v1::PoseSolution& solution, Clock::time_point now
   if (found == sent_.end()) return;
   latency_ms_.push_back(std::chrono::duration<double, std::milli>(now - found->second).count());
   sent_.erase(found);
-  double step = 0.0;
+  const double time_s = solution.time_s().front();
+  const bool is_first = latency_ms_.size() <= 2;
   const std::vector<double>& joints = solution.joint_positions();
-  for (std::size_t i = 0; i < joints.size() && last_.size() == joints.size(); ++i)
-    step = std::max(step, std::abs(joints[i] - last_[i]));
-  largest_step_ = std::max(largest_step_, step);
+  for (std::size_t i = 0; i < joints.size() && last_.size() == joints.size(); ++i) {
+    const double step = std::abs(joints[i] - last_[i]);
+    if (step > largest_step_.size) largest_step_ = {step, i, time_s};
+    if (!is_first && time_s > last_s_)
+      largest_speed_ = std::max(largest_speed_, step / (time_s - last_s_));
+  }
+  last_s_ = time_s;
   last_ = joints;
 }
 
@@ -40,19 +48,43 @@ void FollowAnswers::said(const v1::FollowState& state, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   // What was said before the first frame answers somebody of before.
   is_news_ = is_news_ || state != said_;
-  const bool says_nothing = state.verdict() == v1::FOLLOW_NOTHING_SAID;
-  if (!is_news_ || says_nothing) return;
+  if (!is_news_) return;
+  const bool is_told_again = is_refused_ && state == said_;
+  is_refused_ = state.verdict() == v1::FOLLOW_REFUSED;
+  if (state.verdict() == v1::FOLLOW_NOTHING_SAID) return;
   said_ = state;
-  if (!begun_ || refusal_ || state.verdict() == v1::FOLLOW_WAITS) return;
+  if (!begun_) return;
+  if (state.verdict() == v1::FOLLOW_WAITS) {
+    has_waited_ = true;
+    return;
+  }
+  if (is_refused_ && !is_told_again) {
+    if (refusals_.count == 0) refusals_.first_s = sent_last_s_;
+    ++refusals_.count;
+  }
+  if (refusal_) return;
   const Clock::duration since = now - *begun_;
   const bool is_ours = latency_ms_.empty() && since >= kOtherStops && since < kBeginning;
   if (state.verdict() == v1::FOLLOW_ANOTHER && !is_ours) return;
   refusal_ = state.text();
+  another_is_followed_ = state.verdict() == v1::FOLLOW_ANOTHER;
 }
 
 std::optional<std::string> FollowAnswers::refusal() const {
   const std::lock_guard lock(mutex_);
   return refusal_;
+}
+
+bool FollowAnswers::isHopeless(Clock::time_point now) const {
+  const std::lock_guard lock(mutex_);
+  if (!refusal_) return false;
+  const bool is_all = latency_ms_.empty() && !has_waited_ && now - *begun_ >= kGlitches;
+  return another_is_followed_ || is_all;
+}
+
+FollowAnswers::Refusals FollowAnswers::refusals() const {
+  const std::lock_guard lock(mutex_);
+  return refusals_;
 }
 
 std::string FollowAnswers::whyNone() const {
@@ -74,9 +106,14 @@ std::size_t FollowAnswers::count() const {
   return latency_ms_.size();
 }
 
-double FollowAnswers::largestStep() const {
+FollowAnswers::Step FollowAnswers::largestStep() const {
   const std::lock_guard lock(mutex_);
   return largest_step_;
+}
+
+double FollowAnswers::largestSpeed() const {
+  const std::lock_guard lock(mutex_);
+  return largest_speed_;
 }
 
 }  // namespace handgraft::client

@@ -27,8 +27,20 @@ class FollowAnswers {
   /// yet it answers somebody else.
   void said(const v1::FollowState& state, Clock::time_point now);
 
-  /// Why the server refused frames of ours; nothing: it did not.
+  /// Why the server refused frames of ours, the first time; nothing: it did not.
   [[nodiscard]] std::optional<std::string> refusal() const;
+
+  /// Whether there is no use in sending more: nothing but refusals for the first second, or
+  /// somebody else is followed. Single frames may be a tracker's glitches.
+  [[nodiscard]] bool isHopeless(Clock::time_point now) const;
+
+  struct Refusals {
+    int count = 0;         ///< as often as one was told; frames refused in a row for one reason
+                           ///< count once
+    double first_s = 0.0;  ///< time of the frame sent last before the first was told
+  };
+
+  [[nodiscard]] Refusals refusals() const;
 
   /// Why no frame was answered, as far as it is known.
   [[nodiscard]] std::string whyNone() const;
@@ -36,7 +48,17 @@ class FollowAnswers {
   /// ms; a share of all latencies lies below; NaN without any.
   [[nodiscard]] double latency(double share) const;
   [[nodiscard]] std::size_t count() const;
-  [[nodiscard]] double largestStep() const;
+
+  /// How far a joint goes from one answer to the next.
+  struct Step {
+    double size = 0.0;  ///< rad or m; 0: none goes anywhere
+    std::size_t joint = 0;
+    double time_s = 0.0;  ///< of the frame that it ends with
+  };
+
+  [[nodiscard]] Step largestStep() const;
+  /// Of any step but the first, by which the hand begins (rad/s or m/s); 0 without any.
+  [[nodiscard]] double largestSpeed() const;
 
  private:
   mutable std::mutex mutex_;
@@ -44,10 +66,17 @@ class FollowAnswers {
   std::optional<Clock::time_point> begun_;
   std::vector<double> latency_ms_;
   std::vector<double> last_;
-  double largest_step_ = 0.0;
+  double last_s_ = 0.0;  // the time of that
+  Step largest_step_;
+  double largest_speed_ = 0.0;
   v1::FollowState said_;  // last
   bool is_news_ = false;
+  bool is_refused_ = false;  // as it was said last
   std::optional<std::string> refusal_;
+  Refusals refusals_;
+  double sent_last_s_ = 0.0;
+  bool has_waited_ = false;
+  bool another_is_followed_ = false;
 };
 
 }  // namespace handgraft::client

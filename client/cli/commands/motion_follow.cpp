@@ -47,6 +47,8 @@ int run(const MotionFollowOptions& options,
     fmt::print(stderr, "handgraft: {}: {}\n", quoted(options.demonstration.string()), note);
   };
   tell(timeUnitNote(times));
+  for (const std::string& note : demonstration.notes)
+    tell(note);
   Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
   const v1::SessionState before = server.describeSession(session_id).get();
@@ -74,20 +76,28 @@ int run(const MotionFollowOptions& options,
       const double time_s = lap_s + (frame.time_s() - first_s) / options.speed;
       std::this_thread::sleep_until(begin + std::chrono::duration_cast<FollowClock::duration>(
                                                 std::chrono::duration<double>(time_s)));
-      if (interruption.requested() || answers.refusal()) break;
+      if (interruption.requested() || answers.isHopeless(FollowClock::now())) break;
       v1::DemonstratorFrame message = frame;
       message.time_s(time_s);
       answers.sent(time_s, FollowClock::now());
       writer.write(message);
     }
     lap_s += (frames.back().time_s() - first_s + interval_s) / options.speed;
-  } while (options.loops && !interruption.requested() && !answers.refusal());
-  if (!answers.refusal()) std::this_thread::sleep_for(kLastAnswers);
+  } while (options.loops && !interruption.requested() &&
+           !answers.isHopeless(FollowClock::now()));
+  if (!answers.isHopeless(FollowClock::now())) std::this_thread::sleep_for(kLastAnswers);
 
   const double p50 = answers.latency(0.5);
   const double p99 = answers.latency(0.99);
   const v1::SessionState state = server.describeSession(session_id).get();
   const std::optional<std::string> refusal = answers.refusal();
+  const FollowAnswers::Refusals refusals = answers.refusals();
+  const v1::HandDescription hand =
+      server.describe(v1::MODEL_HAND, state.hand(), false).get().hand();
+  const FollowAnswers::Step step = answers.largestStep();
+  const std::string joint = step.size > 0.0 && step.joint < hand.joints().size()
+                                ? hand.joints()[step.joint].name()
+                                : "";
   if (common.json) {
     const auto or_null = [](double value) {
       return std::isfinite(value) ? json::Json(value) : json::Json();
@@ -95,22 +105,35 @@ int run(const MotionFollowOptions& options,
     fmt::print("{}\n", json::written({{"session_id", session_id},
                                       {"frames", writer.count()},
                                       {"answered", answers.count()},
+                                      {"refusals", refusals.count},
                                       {"latency_p50_ms", or_null(p50)},
                                       {"latency_p99_ms", or_null(p99)},
-                                      {"largest_step", answers.largestStep()},
+                                      {"largest_step", step.size},
+                                      {"largest_step_joint", joint},
+                                      {"largest_step_s", step.time_s},
+                                      {"largest_speed", answers.largestSpeed()},
                                       {"message", refusal.value_or(state.message())}},
                                      2));
-  } else if (!refusal && answers.count() > 0) {
-    const JointUnit unit =
-        unitOfLargest(server.describe(v1::MODEL_HAND, state.hand(), false).get().hand());
-    fmt::print(
-        "{} frames, {} answered by a pose; p50 {:.1f} ms, p99 {:.1f} ms; largest step {:.3g} "
-        "{}\n",
-        writer.count(), answers.count(), p50, p99, unit.scale * answers.largestStep(),
-        unit.name);
-    if (!state.message().empty()) fmt::print("{}\n", state.message());
+  } else if (answers.count() > 0) {
+    fmt::print("{} frames, {} answered by a pose; p50 {:.1f} ms, p99 {:.1f} ms\n",
+               writer.count(), answers.count(), p50, p99);
+    if (!joint.empty()) {
+      const JointUnit unit = unitOf(hand.joints()[step.joint].kind());
+      const JointUnit of_any = unitOfLargest(hand);
+      fmt::print(
+          "largest step {:.3g} {} by {} at {:.2f} s; largest speed but for the first step "
+          "{:.3g} "
+          "{} a second\n",
+          unit.scale * step.size, unit.name, joint, step.time_s,
+          of_any.scale * answers.largestSpeed(), of_any.name);
+    }
+    if (refusals.count > 0)
+      fmt::print("frames were refused {} time{}, first at {:.2f} s: {}\n", refusals.count,
+                 refusals.count == 1 ? "" : "s", refusals.first_s, *refusal);
+    else if (!state.message().empty())
+      fmt::print("{}\n", state.message());
   }
-  if (refusal) {
+  if (refusal && answers.count() == 0) {
     throw CommandFailed(
         {kFailed, fmt::format("session {} refused it after {} of {} frames: {}", session_id,
                               writer.count(), frames.size(), *refusal)});

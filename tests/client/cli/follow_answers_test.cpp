@@ -2,6 +2,7 @@
 #include "client/cli/commands/follow_answers.h"
 
 #include <cmath>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,10 +25,10 @@ const v1::FollowState millimetres = stateOf(v1::FOLLOW_REFUSED, "demonstrator: m
 const v1::FollowState another = stateOf(v1::FOLLOW_ANOTHER, "demonstrator: another one");
 const v1::FollowState too_little = stateOf(v1::FOLLOW_WAITS, "demonstrator: touches with 1");
 
-v1::PoseSolution answerTo(double time_s) {
+v1::PoseSolution answerTo(double time_s, std::vector<double> joints = {0.5}) {
   v1::PoseSolution solution;
   solution.time_s().push_back(time_s);
-  solution.joint_positions({0.5});
+  solution.joint_positions(std::move(joints));
   return solution;
 }
 
@@ -95,7 +96,50 @@ TEST_F(FollowAnswersTest, CountsWhatWasAnsweredAndHowLate) {
   answers.came(answerTo(7.0), start);
   EXPECT_EQ(answers.count(), 4u);
   EXPECT_NEAR(answers.latency(0.5), 20.0, 1e-9);
-  EXPECT_EQ(answers.largestStep(), 0.0);
+  EXPECT_EQ(answers.largestStep().size, 0.0);
+}
+
+TEST_F(FollowAnswersTest, GoesOnPastAGlitchButNotPastRefusalsAlone) {
+  const v1::FollowState backwards = stateOf(v1::FOLLOW_REFUSED, "demonstrator: backwards");
+  FollowAnswers of_glitches(nothing_said);
+  of_glitches.sent(0.0, start);
+  of_glitches.said(millimetres, start + milliseconds(10));
+  EXPECT_FALSE(of_glitches.isHopeless(start + milliseconds(500)));
+  EXPECT_TRUE(of_glitches.isHopeless(start + milliseconds(1000)));
+  of_glitches.came(answerTo(0.0), start + milliseconds(1010));
+  EXPECT_FALSE(of_glitches.isHopeless(start + milliseconds(2000)));
+  of_glitches.said(nothing_said, start + milliseconds(1010));
+  of_glitches.sent(1.5, start + milliseconds(1500));
+  of_glitches.said(millimetres, start + milliseconds(1510));
+  of_glitches.said(millimetres, start + milliseconds(1520));
+  of_glitches.said(backwards, start + milliseconds(1530));
+  EXPECT_EQ(of_glitches.refusals().count, 3);
+  EXPECT_EQ(of_glitches.refusals().first_s, 0.0);
+  EXPECT_THAT(of_glitches.refusal(), Optional(millimetres.text()));
+
+  FollowAnswers touching_little(nothing_said);
+  touching_little.sent(0.0, start);
+  touching_little.said(too_little, start + milliseconds(10));
+  touching_little.said(millimetres, start + milliseconds(20));
+  EXPECT_FALSE(touching_little.isHopeless(start + milliseconds(2000)));
+
+  FollowAnswers beside_another(nothing_said);
+  beside_another.sent(0.0, start);
+  beside_another.said(another, start + milliseconds(800));
+  EXPECT_TRUE(beside_another.isHopeless(start + milliseconds(800)));
+}
+
+TEST_F(FollowAnswersTest, TellsWhichJointWentFarthestAndHowFast) {
+  const std::pair<double, std::vector<double>> sent[] = {
+      {0.0, {0.0, 0.0}}, {0.1, {0.0, 1.0}}, {0.2, {0.1, 1.0}}, {0.25, {0.1, 1.1}}};
+  for (const auto& [time_s, joints] : sent) {
+    answers.sent(time_s, start);
+    answers.came(answerTo(time_s, joints), start);
+  }
+  EXPECT_EQ(answers.largestStep().size, 1.0);
+  EXPECT_EQ(answers.largestStep().joint, 1u);
+  EXPECT_EQ(answers.largestStep().time_s, 0.1);
+  EXPECT_NEAR(answers.largestSpeed(), 2.0, 1e-6) << "but for the first step";
 }
 
 }  // namespace
