@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/length_unit.h"
 #include "core/base/progress.h"
+#include "idl/fields.h"
 
 namespace handgraft::client {
 
@@ -90,6 +91,19 @@ std::string ModelSender::send(ModelFiles& model) {
   }
   model.name = nameApart(model);
   return load(model).name();
+}
+
+std::string ModelSender::import(ModelFiles& model, bool is_named) {
+  if (is_named) return load(model).name();
+  const std::string asked = model.name;
+  const std::string name = send(model);
+  if (name != asked)
+    fmt::print(
+        stderr,
+        "handgraft: {} is on the server with other content and stays as it is: this is {}; "
+        "`handgraft unload {} {}` before an import replaces it\n",
+        quoted(asked), quoted(name), nameOf(model.kind), asked);
+  return name;
 }
 
 std::string nameOnServer(ModelSender& sender,

@@ -30,6 +30,11 @@ class ModelSender {
   /// content.
   std::string send(ModelFiles& model);
 
+  /// The same for whoever goes on by that name: one that the user gave (`is_named`) is taken or
+  /// refused, and of one that is told apart is said, on standard error, that its own is
+  /// another's still.
+  std::string import(ModelFiles& model, bool is_named);
+
  private:
   /// Complaints name files by the paths that were given.
   v1::ModelSummary loadOnce(const ModelFiles& model);

@@ -27,7 +27,7 @@ int run(const ImportOptions& options, const CommonOptions& common, Interruption&
   map->object = nameOnServer(sender, options.object, object);
   // A scan and its contact map come in the same units.
   if (object) map->units = object->units;
-  const std::string name = options.name.empty() ? sender.send(*map) : sender.load(*map).name();
+  const std::string name = sender.import(*map, !options.name.empty());
   const ContactsOutput output{options.out, options.png, common.json};
   const std::string text = outputOf(server, name, {}, output);
   progress.clear();

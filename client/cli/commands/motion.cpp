@@ -198,7 +198,7 @@ int run(const MotionImportOptions& options,
                          : trajectoryFiles(options, nameOnServer(sender, options.hand, hand));
   files.object = options.object.empty() ? objectOf(server, options)
                                         : nameOnServer(sender, options.object, object);
-  const std::string name = options.is_named ? sender.load(files).name() : sender.send(files);
+  const std::string name = sender.import(files, options.is_named);
   const v1::MotionDescription motion = describedMotion(server, name, !options.out.empty());
   if (!options.out.empty()) writeFile(options.out, motion.file());
   progress.clear();

@@ -19,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using idl::cyclone::Refused;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -203,7 +204,12 @@ TEST_F(ImportCommands, ImportTellsMapsReadInDifferentWaysApart) {
   ImportOptions options;
   options.map = write("scan.ply", "ply");
   options.object = "box";
+  testing::internal::CaptureStderr();
   printed(options);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              AllOf(HasSubstr("'scan' is on the server with other content"),
+                    HasSubstr("this is '" + script.loads[1].name() + "'"),
+                    HasSubstr("`handgraft unload contacts scan`")));
   options.reading.options.otsu(true);
   printed(options);
   ASSERT_EQ(script.loads.size(), 4U);
