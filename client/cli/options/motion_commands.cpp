@@ -230,7 +230,8 @@ void addSolve(CLI::App& motion, CommandOptions& chosen) {
   command->add_option("--object", solve.object,
                       "Model name, or path of a mesh; default: the one that the motion names");
   command->add_flag("--causal", solve.causal,
-                    "Each frame from those before it alone, as a live stream is followed");
+                    "Each frame from those before it alone; unlike `motion follow`, which also "
+                    "searches anew where the hand is lost");
   command->add_option("--smoothness", parsed->smoothness,
                       "Weight of second differences; default 5e5, --causal 1e4");
   command->add_option("--fade", parsed->fade_ms,

@@ -23,7 +23,7 @@ from collections.abc import Sequence
 
 from . import _handgraft
 from .arguments import count_of, path_of, text_of
-from .errors import Cancelled, Error, InvalidInput, NoServer, Refused, SolveFailed, TransportError, WrongType
+from .errors import Cancelled, Error, InvalidInput, NoServer, NotBegun, Refused, SolveFailed, TransportError, WrongType
 from .motions import Demonstrator, Motion, PatchOverTime
 from .poses import Depth, Patch, Pose
 from .reports import Difference, Suggestion
@@ -35,7 +35,8 @@ from .view import View
 __all__ = [
     "connect", "Server", "Session", "Pose", "Patch", "Depth", "Motion", "PatchOverTime", "Demonstrator", "Sweep",
     "Suggestion", "Difference", "View",
-    "Error", "InvalidInput", "WrongType", "Refused", "NoServer", "SolveFailed", "Cancelled", "TransportError",
+    "Error", "InvalidInput", "WrongType", "Refused", "NotBegun", "NoServer", "SolveFailed", "Cancelled",
+    "TransportError",
 ]
 
 

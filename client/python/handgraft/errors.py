@@ -19,6 +19,10 @@ class Refused(Error):
     code: str = "internal"
 
 
+class NotBegun(Error):
+    """A demonstrator touches too little yet for the hand to begin: send the next frame. Nothing was wrong with this one."""
+
+
 class SolveFailed(Error):
     """The server could not solve what an edit asked for."""
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Mapping, Sequence
 import numpy as np
 
 from . import _handgraft
-from .errors import Error, InvalidInput
+from .errors import Error, InvalidInput, NotBegun
 from .poses import Pose, in_order, matrices_of, message_of
 
 if TYPE_CHECKING:
@@ -143,7 +143,8 @@ class Demonstrator:
         return self._joints[hand]
 
     def answer(self, time_s: float, X_WO: np.ndarray, *, patience_s: float = 1.0, **hand: Any) -> Pose:
-        """Sends a frame as `send` does and waits for its pose. Raises Error with what the server says of it, if none comes."""
+        """Sends a frame as `send` does and waits for its pose. Raises, with what the server says of it, NotBegun as long
+        as the demonstrator touches too little, and any other Error for a frame that is refused or not answered in time."""
         while self._stream.next(0.0) is not None:
             pass  # of frames before
         before = self._session.state()["following"]  # of a frame that was wrong, perhaps
@@ -158,7 +159,8 @@ class Demonstrator:
                 break
         state = self._session.state()
         why = "the session is closed" if state["phase"] == "closed" else state["message"]
-        raise Error(f"the frame at {time_s} s is not answered{': ' if why else ''}{why}")
+        kind = NotBegun if state["following"]["verdict"] == "waits" else Error
+        raise kind(f"the frame at {time_s} s is not answered{': ' if why else ''}{why}")
 
     def __repr__(self) -> str:
         return f"Demonstrator({self._chirality}, followed by {self._session!r})"

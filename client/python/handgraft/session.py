@@ -140,9 +140,10 @@ class Session(Edits):
                      acceleration_limit: float = 0.0, starts: int = 0, seed: int = 0) -> Motion:
         """Has the hand follow the session's motion and waits for it. 0: the server's default.
 
-        All frames at once; with ``causal`` each from those before it, as a stream is followed. ``smoothness``: what a
-        second difference of a joint counts (rad^-2 at 120 frames a second). ``fade_s``: s, in which patches come and
-        go. ``acceleration_limit``: rad/s^2 or m/s^2, of every joint. From now on edits are followed by frames.
+        All frames at once; with ``causal`` each from those before it (`follow` also searches anew where the hand is
+        lost). ``smoothness``: what a second difference of a joint counts (rad^-2 at 120 frames a second). ``fade_s``: s,
+        in which patches come and go. ``acceleration_limit``: rad/s^2 or m/s^2, of every joint. From now on edits are
+        followed by frames.
         """
         options = {"causal": bool(causal), "smoothness": smoothness, "fade_s": fade_s,
                    "acceleration_limit": acceleration_limit, "solving": {"starts": starts, "seed": seed}}
