@@ -306,6 +306,18 @@ std::vector<double> depthsOfJoints(const std::vector<DemonstratedFrame>& frames,
   return depths;
 }
 
+Pose palmOf(const DemonstratedFrame& frame) {
+  constexpr int kMiddleKnuckle = 9;
+  const Frame joints(frame);
+  const Eigen::Vector3d along =
+      (joints.joints_O.col(kMiddleKnuckle) - joints.joints_O.col(0)).normalized();
+  const Eigen::Vector3d side = joints.sideOf(along);
+  Pose X_OD = Pose::Identity();
+  X_OD.linear() << along, side, along.cross(side);
+  X_OD.translation() = joints.joints_O.col(0);
+  return X_OD;
+}
+
 Motion motionOfDemonstration(const std::vector<DemonstratedFrame>& frames,
                              const geometry::TriangleMesh& object_O) {
   if (frames.empty()) rejectInput("a demonstration without frames is no motion");

@@ -73,6 +73,10 @@ inline constexpr double kImpossibleDepth = 0.02;
 std::vector<double> depthsOfJoints(const std::vector<DemonstratedFrame>& frames,
                                    const geometry::TriangleMesh& object_O);
 
+/// Where the palm of that hand is, in O: at the wrist, x towards the middle finger's knuckle, y
+/// along the row of knuckles towards the index finger.
+Pose palmOf(const DemonstratedFrame& frame);
+
 /// The motion of a demonstration: a track from where a part begins to touch until it ends, a
 /// key where the touch has moved by a millimetre, or by what noise of the joints may move it,
 /// which is measured, evened out (joint_noise.h), and noted. Glitches of its tracker

@@ -216,11 +216,24 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
     const manipulation::DemonstratedFrame& frame, const Progress& progress) {
   requireLater(frame.time_s);
   if (const manipulation::DemonstratedFrame* steady = glitches_.steadyBefore(frame)) {
-    return follow(frame.time_s, frame.X_WO, seen_, manipulation::postureOf(*steady), progress);
+    return follow(frame.time_s, frame.X_WO, seen_, manipulation::postureOf(*steady), progress,
+                  manipulation::palmOf(*steady));
   }
   const std::vector<manipulation::DetectedContact> touches = tracker_.see(frame);
   glitches_.takeSteady(frame);
-  return follow(frame.time_s, frame.X_WO, touches, manipulation::postureOf(frame), progress);
+  return follow(frame.time_s, frame.X_WO, touches, manipulation::postureOf(frame), progress,
+                manipulation::palmOf(frame));
+}
+
+/// Keeps where both hands are while something touches; else where this one goes.
+std::optional<hand::HandPose> LiveFollower::leaveFor(
+    const std::vector<contact::PartDirection>& posture, const Pose& X_OD) {
+  const bool touches = std::any_of(parts_.begin(), parts_.end(), [](const TouchingPart& part) {
+    return part.presence > 0.0;
+  });
+  if (touches) leave_.hold(X_OD, posture, *last_O_);
+  if (touches || !leave_.hasHeld()) return std::nullopt;
+  return leave_.goal(hand_, X_OD, posture, problem_.lower, problem_.upper);
 }
 
 optimize::PoseProblem LiveFollower::problemTo(const hand::HandPose& goal_O) const {
@@ -266,7 +279,8 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
     const Pose& X_WO,
     const std::vector<manipulation::DetectedContact>& touches,
     const std::vector<contact::PartDirection>& posture,
-    const Progress& progress) {
+    const Progress& progress,
+    const std::optional<Pose>& X_OD) {
   requireLater(time_s);
   const double step_s = last_s_ ? time_s - *last_s_ : 0.0;
   const bool paused = last_s_ && (step_s > kLivePause || step_s <= 0.0);
@@ -295,11 +309,15 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   const int steps =
       paused || begins ? 1
                        : std::max(1, static_cast<int>(std::ceil(step_s / kLongestStep - 1e-6)));
+  const std::optional<hand::HandPose> away_O =
+      X_OD ? leaveFor(posture, *X_OD) : std::optional<hand::HandPose>();
   manipulation::CausalSolver::Step step;
   for (int i = steps - 1; i >= 0; --i) {
     const double now_s = time_s - i * step_s / steps;
     if (way_ && (paused || now_s > way_->end())) way_.reset();
-    step = solver_.follow(now_s, way_ ? problemTo(way_->at(now_s)) : problemNow());
+    step = solver_.follow(now_s, way_     ? problemTo(way_->at(now_s))
+                                 : away_O ? problemTo(*away_O)
+                                          : problemNow());
     last_O_ = step.pose;
     if (!way_) slide(1.0 - std::exp(-std::max(0.0, step_s) / steps / kSlideTime));
   }

@@ -16,6 +16,7 @@
 #include "core/retargeting/live_beginning.h"
 #include "core/retargeting/live_fingers.h"
 #include "core/retargeting/live_glitches.h"
+#include "core/retargeting/live_leave.h"
 #include "core/retargeting/live_searches.h"
 #include "core/retargeting/live_way.h"
 #include "core/retargeting/motion_solving.h"
@@ -37,6 +38,9 @@ namespace handgraft::retargeting {
 /// same way again, and where that is nearer by far it goes there, about the object, in 0.8 s at
 /// most. So it is where a finger has touched for as long and none of the hand's shows it, and
 /// where it is more than 2 mm inside the object.
+///
+/// While nothing touches it goes as the demonstrator's hand does over the object (LiveLeave):
+/// away, open, and back to the same or to another place.
 ///
 /// It begins when three parts or more touch and no more come, or two fingers pinch
 /// (LiveBeginning): the best pose of
@@ -86,12 +90,15 @@ class LiveFollower {
                                const Progress& progress);
 
   /// The same of touches that somebody else has found, whose numbers of parts they bear: one
-  /// follower is told by one of them alone. Frames: X_WO in W.
+  /// follower is told by one of them alone. Frames: X_WO in W; X_OD is the demonstrator's hand
+  /// in O, of which only the motion counts; not known: while nothing touches, the hand stays
+  /// over the object.
   std::optional<Answer> follow(double time_s,
                                const Pose& X_WO,
                                const std::vector<manipulation::DetectedContact>& touches,
                                const std::vector<contact::PartDirection>& posture,
-                               const Progress& progress);
+                               const Progress& progress,
+                               const std::optional<Pose>& X_OD = {});
 
   /// Of the demonstrator's last frame.
   [[nodiscard]] int touches() const { return static_cast<int>(seen_.size()); }
@@ -147,6 +154,8 @@ class LiveFollower {
   [[nodiscard]] optimize::PointPair pairOf(std::size_t index) const;
   std::optional<hand::LinkPoint> spotOf(const manipulation::DetectedContact& touch);
   [[nodiscard]] optimize::PoseProblem problemNow() const;
+  std::optional<hand::HandPose> leaveFor(const std::vector<contact::PartDirection>& posture,
+                                         const Pose& X_OD);
   [[nodiscard]] optimize::PoseProblem problemTo(const hand::HandPose& goal_O) const;
   void dealAnew(const std::vector<contact::PartDirection>& posture, const Progress& progress);
   [[nodiscard]] std::vector<std::string> touchingDigits() const;
@@ -187,6 +196,7 @@ class LiveFollower {
   double depth_ = 0.0;                    // m, of the last answer in the object
   LiveBeginning beginning_;
   LiveSearches searches_;
+  LiveLeave leave_;
   std::optional<LiveWay> way_;  // to a better pose that was found far from the hand
 };
 

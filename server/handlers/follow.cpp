@@ -199,7 +199,8 @@ std::optional<retargeting::LiveFollower::Answer> answerTo(LiveSession& live,
   const Pose X_WO = poseFrom(frame.X_WO(), "X_WO");
   const Following& following = followingOf(live, hand);
   return following.follower->follow(frame.time_s(), X_WO, following.tracker->see(pose, X_WO),
-                                    following.tracker->postureOf(pose, X_WO), live.solves());
+                                    following.tracker->postureOf(pose, X_WO), live.solves(),
+                                    inverse(X_WO) * pose.X_WH);
 }
 
 std::string whyNotBegun(int touches) {

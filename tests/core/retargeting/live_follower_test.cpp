@@ -168,6 +168,7 @@ TEST_F(LiveFollowing, WhatStaysSoIsNoGlitch) {
 
 // A hand of other proportions: its parts touch where they can, on the links that are meant.
 TEST_F(LiveFollowing, PlacesYieldToWhereTheHandShowsATouch) {
+  constexpr double kBend_rad = 0.75;  // at more, a bone lies in the ball
   const auto follower = this->follower();
   manipulation::ContactTracker tracker(*grasp.ball);
   const auto follow = [&](const DemonstratedFrame& frame) {
@@ -177,7 +178,7 @@ TEST_F(LiveFollowing, PlacesYieldToWhereTheHandShowsATouch) {
   };
   std::optional<LiveFollower::Answer> answer;
   for (int k = 0; k < 40; ++k)
-    answer = follow(grip(k / 60.0, 0.8));
+    answer = follow(grip(k / 60.0, kBend_rad));
   ASSERT_TRUE(answer);
   ASSERT_GE(answer->parts.size(), 3u);
   int reached = 0;
@@ -187,7 +188,7 @@ TEST_F(LiveFollowing, PlacesYieldToWhereTheHandShowsATouch) {
   EXPECT_GE(2 * reached, static_cast<int>(answer->parts.size()));
   // At rest: nobody moves, so the hand comes to rest, too.
   const Eigen::VectorXd before = answer->pose.q;
-  answer = follow(grip(40 / 60.0, 0.8));
+  answer = follow(grip(40 / 60.0, kBend_rad));
   EXPECT_LT((answer->pose.q - before).cwiseAbs().maxCoeff(), 0.01);
 }
 
@@ -427,6 +428,55 @@ TEST_F(LiveFollowing, APinchIsHeldAsTheDemonstratorHoldsIt) {
   EXPECT_LT(meanDistance(*answer), 2.0);
   const Pose moved = answer->pose.X_WH * inverse(shown.X_WH);
   EXPECT_LT(vectorFromRotation(moved.linear()).norm(), 0.1);
+}
+
+// Who lets go and draws back is followed: the hand is not left about the object.
+TEST_F(LiveFollowing, GoesAwayAsTheDemonstratorDoes) {
+  const auto live = follower();
+  std::optional<LiveFollower::Answer> answer;
+  int k = 0;
+  const auto show = [&](double bend_rad, double away_m) {
+    answer = live->follow(grip(k++ / 60.0, bend_rad, away_m), Progress());
+  };
+  const auto root_O = [&](double away_m) {
+    return (grip(0.0, 0.0, away_m).X_WO.inverse() * answer->pose.X_WH).translation().eval();
+  };
+  for (int i = 0; i < 60; ++i)
+    show(std::min(0.9, 0.03 * i), 0.0);
+  ASSERT_TRUE(answer.has_value());
+  const Eigen::Vector3d held = root_O(0.0);
+  constexpr double kAway = 0.1;
+  for (int i = 0; i < 60; ++i)
+    show(std::max(0.2, 0.9 - 0.03 * i), kAway * std::min(1.0, i / 40.0));
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_EQ(answer->touches, 0);
+  // It touches yet for a part of the way.
+  EXPECT_GT((root_O(kAway) - held).norm(), 0.6 * kAway);
+  EXPECT_LT((root_O(kAway) - held).norm(), 1.3 * kAway);
+  // And back to it.
+  for (int i = 0; i < 90; ++i)
+    show(std::min(0.9, 0.2 + 0.02 * i), kAway * std::max(0.0, 1.0 - i / 40.0));
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_GT(answer->touches, 3);
+  EXPECT_LT((root_O(0.0) - held).norm(), 0.02);
+}
+
+// As long as it is not known how the other hand moves.
+TEST_F(LiveFollowing, StaysOverTheObjectWhereOnlyTouchesAreTold) {
+  const auto live = follower();
+  manipulation::ContactTracker tracker(*grasp.ball);
+  std::optional<LiveFollower::Answer> answer;
+  Pose held;
+  for (int k = 0; k < 120; ++k) {
+    const DemonstratedFrame frame = grip(k / 60.0, std::min(0.9, 0.03 * k));
+    const auto touches =
+        k < 60 ? tracker.see(frame) : std::vector<manipulation::DetectedContact>();
+    answer = live->follow(frame.time_s, frame.X_WO, touches, manipulation::postureOf(frame),
+                          Progress());
+    if (k == 59) held = answer->pose.X_WH;
+  }
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_LT((answer->pose.X_WH.translation() - held.translation()).norm(), 0.02);
 }
 
 }  // namespace
