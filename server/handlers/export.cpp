@@ -206,6 +206,10 @@ std::optional<v1::ExportReply> exportSession(LiveSession& live,
   }
   v1::ExportReply reply;
   const std::string content = contentOf(live, request, progress, reply.notes());
+  if (live.motion() != nullptr && live.following.follower)
+    reply.notes().emplace_back(
+        "the motion as it was solved: what the hand did live, after a demonstrator, is in no "
+        "file");
   reply.content().assign(content.begin(), content.end());
   return reply;
 }

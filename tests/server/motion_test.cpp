@@ -215,6 +215,31 @@ TEST_F(MotionTest, IsExportedAsEachFormat) {
   EXPECT_THAT(bus.ask(exportAs(session, v1::EXPORT_OBJ)).message(), HasSubstr("no format obj"));
 }
 
+// A file of a session that somebody was followed in is not what the hand did then.
+TEST_F(MotionTest, AnExportSaysThatItIsNotWhatWasDoneLive) {
+  const std::uint64_t session = open();
+  ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
+  EXPECT_TRUE(
+      bus.ask(exportAs(session, v1::EXPORT_CSV)).body().exported_file().notes().empty());
+  v1::Pose X;
+  X.q_wxyz({1.0, 0.0, 0.0, 0.0});
+  v1::DemonstratorFrame frame;
+  frame.session_id(session);
+  frame.client({1});
+  frame.sequence_number(1);
+  frame.kind(v1::DEMONSTRATOR_JOINTS);
+  frame.hand("clamp");
+  frame.values({0.1});
+  frame.X_WH().push_back(X);
+  frame.X_WO(X);
+  bus.send(frame);
+  ASSERT_TRUE(bus.await<v1::SessionState>(bus.states, [&](const v1::SessionState& state) {
+    return state.session_id() == session && state.following().verdict() == v1::FOLLOW_WAITS;
+  }));
+  EXPECT_THAT(bus.ask(exportAs(session, v1::EXPORT_CSV)).body().exported_file().notes(),
+              testing::ElementsAre(HasSubstr("live")));
+}
+
 TEST_F(MotionTest, NamesWhatIsWrong) {
   EXPECT_THAT(load("bad", kPlan, "time_s,x,y,z,qw,qx,qy,qz\n0,nan,0,0,1,0,0,0\n").message(),
               AllOf(HasSubstr("line 2"), HasSubstr("nan")));

@@ -122,8 +122,7 @@ int run(const MotionFollowOptions& options,
       const JointUnit of_any = unitOfLargest(hand);
       fmt::print(
           "largest step {:.3g} {} by {} at {:.2f} s; largest speed but for the first step "
-          "{:.3g} "
-          "{} a second\n",
+          "{:.3g} {} a second\n",
           unit.scale * step.size, unit.name, joint, step.time_s,
           of_any.scale * answers.largestSpeed(), of_any.name);
     }
@@ -140,8 +139,14 @@ int run(const MotionFollowOptions& options,
   }
   if (answers.count() == 0) {
     throw CommandFailed(
-        {kFailed, fmt::format("session {}: none of {} frames was answered by a pose: {}",
-                              session_id, writer.count(), answers.whyNone())});
+        {kFailed,
+         fmt::format("session {}: none of {} frames was answered by a pose: {}", session_id,
+                     writer.count(),
+                     state.phase() == v1::PHASE_OPTIMIZING
+                         ? fmt::format("it is solving its motion, {:.0f} %, and frames "
+                                       "wait for that",
+                                       100.0 * state.progress())
+                         : answers.whyNone())});
   }
   return 0;
 }

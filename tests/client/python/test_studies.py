@@ -55,12 +55,14 @@ def test_rows_without_an_answer_are_nan_and_say_why():
            "patch_count": 4, "reached_count": 2, "joint_positions": [0.1]}
     none = {**row, "error": "limits cross", "joint_positions": []}
     better = {**row, "reached_count": 3, "mean_mm": 5.0}
-    sweep = Sweep({"joint_names": ["bend"], "rows": [row, row, none, better, better, better]},
+    sweep = Sweep({"joint_names": ["bend"], "rows": [row, row, none, better, better, better],
+                   "notes": [{"grasp": 1, "text": "no palm"}]},
                   {"bend.upper": np.array([0.1, 0.2, 0.3])}, ["a", "b"])
     assert np.isnan(sweep.mean_mm[1, 0]) and np.isnan(sweep.joints[1, 0, 0])
     assert sweep.errors[1, 0] == "limits cross"
     np.testing.assert_allclose(sweep.share_reached, [0.5, 0.375, 0.75])
     assert sweep.best == {"bend.upper": 0.3}
+    assert sweep.notes == {"a": [], "b": ["no palm"]}
 
 
 @pytest.mark.parametrize("name, expected", [
