@@ -76,6 +76,12 @@ const tests = {
       await page.keyboard.up('Control');
       await waitRevision(page, before + 1);
     };
+    // The answer may be there before the click is known to be done.
+    const switched = async (patch) => {
+      const before = await revision();
+      await page.click(`[data-patch=${patch}] .switch`);
+      await waitRevision(page, before + 1);
+    };
     const before = await rootOf();
     await dragBy(page, await dotOf(page, 'thumb', 'hand'), 14, 10);
     await waitRevision(page, 2);
@@ -86,8 +92,7 @@ const tests = {
     assert.deepEqual(await rootOf(), dragged);
 
     // One edit more, undone: the drag is still one step. Loaded again, too.
-    await page.click('[data-patch=index] .switch');
-    await waitRevision(page, (await revision()) + 1);
+    await switched('index');
     await pressed('z');
     await page.reload();
     await page.waitForFunction(() => globalThis.handgraft?.session.settings, kWaiting);
@@ -105,8 +110,7 @@ const tests = {
     assert.equal(await page.$('.toasts .wrong'), null);
     assert.deepEqual(await rootOf(), before);
     // What is edited behind undone steps is one of its own.
-    await page.click('[data-patch=index] .switch');
-    await waitRevision(page, (await revision()) + 1);
+    await switched('index');
     await page.click('[data-patch=ring] .row');
     await page.focus('canvas');
     for (let i = 0; i < 3; ++i) await page.keyboard.press('ArrowLeft');
