@@ -122,10 +122,10 @@ void leaveOutLost(Demonstration& demonstration) {
   const std::size_t lost = before - frames.size();
   if (frames.empty())
     rejectInput("each of the {} frames has null or NaN in place of a number", before);
-  demonstration.notes.push_back(fmt::format(
-      "left out {} of {} frames, which have null or NaN in place of a number{} {:.3f} "
-      "s",
-      lost, before, lost == 1 ? ": at" : ", the first at", first_s));
+  demonstration.notes.push_back(
+      fmt::format("left out {} of {} frames, which have null or NaN in place of a number{} "
+                  "{:.3f} s",
+                  lost, before, lost == 1 ? ": at" : ", the first at", first_s));
 }
 
 /// What is to be told of the frames that are left.
