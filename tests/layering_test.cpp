@@ -142,6 +142,8 @@ const std::map<std::string, std::set<std::string>> users_of_one = {
     {"json",
      {"core/io/contact_file.cpp",
       "core/io/contact_writer.cpp",
+      "core/io/posture_json.cpp",
+      "core/io/posture_json.h",
       "core/io/glb_writer.cpp",
       "core/io/grasp_writer.cpp",
       "core/io/hand_joints_file.cpp",

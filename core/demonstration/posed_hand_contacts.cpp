@@ -15,6 +15,7 @@
 #include "core/contact/edge_refinement.h"
 #include "core/contact/reproject.h"
 #include "core/contact/threshold.h"
+#include "core/demonstration/shown_posture.h"
 #include "core/geometry/tangent.h"
 #include "core/hand/turned_parts.h"
 
@@ -41,17 +42,6 @@ std::vector<std::string> partsOf(const hand::FingerCoordinates& coordinates,
     names.push_back(digit.empty() ? parts.names()[link] : hand::partName(digit, segment));
   }
   return names;
-}
-
-/// How its segments and its palm are turned.
-std::vector<contact::PartDirection> postureShownBy(const PosedHand& posed) {
-  std::vector<contact::PartDirection> posture;
-  for (const hand::TurnedPart& part : turnedParts(posed.coordinates.anatomy())) {
-    const Eigen::Matrix3d R_OS =
-        posed.X_SO[static_cast<std::size_t>(part.link)].linear().transpose();
-    posture.push_back({part.name, R_OS * part.outward_S, R_OS * part.palmar_S});
-  }
-  return posture;
 }
 
 /// Gives a patch on `mesh_O` its place on the hand and its direction towards the wrist; returns
@@ -225,7 +215,7 @@ PosedContacts ContactCutter::at(const hand::HandPose& pose,
                                              : part);
   }
   result.set = contact::segment(map, segmentation);
-  result.set.posture = postureShownBy(posed);
+  result.set.posture = shownPosture(turnedParts(coordinates_.anatomy()), posed.X_SO);
   result.set.side = sideOf(posed.coordinates.anatomy());
 
   // === Where on the hand each of them was

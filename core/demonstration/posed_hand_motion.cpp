@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/demonstration/posed_hand_contacts.h"
+#include "core/demonstration/shown_posture.h"
 
 namespace handgraft::demonstration {
 
@@ -81,6 +82,14 @@ manipulation::Motion motionOfPosedHand(const hand::Hand& hand,
   if (!(options.every_s > 0.0))
     rejectInput("contacts are cut every {} s; that must lie above 0", options.every_s);
   manipulation::Motion motion = motionWithoutTracks(frames);
+
+  const std::vector<hand::TurnedPart> turned =
+      turnedParts(hand::coordinatesOf(hand)->anatomy());
+  for (int k = 0; k < motion.frameCount(); ++k) {
+    if (!isDemonstratorDue(motion, k)) continue;
+    const PosedFrame& frame = frames[static_cast<std::size_t>(k)];
+    motion.demonstrator.push_back(shownAt(k, hand, turned, frame.pose, frame.X_WO));
+  }
 
   // === What touches at each cut
   const std::vector<int> cuts = cutFrames(frames, options.every_s);

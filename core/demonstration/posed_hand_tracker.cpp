@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/demonstration/shown_posture.h"
 #include "core/hand/finger_coordinates.h"
 #include "core/placement/solids.h"
 
@@ -170,14 +171,8 @@ std::vector<DetectedContact> PosedHandTracker::see(const hand::HandPose& pose,
 
 std::vector<contact::PartDirection> PosedHandTracker::postureOf(const hand::HandPose& pose,
                                                                 const Pose& X_WO) const {
-  const hand::LinkPoses X_SO =
-      hand_.skin->fromWorld(*hand_.model, {inverse(X_WO) * pose.X_WH, pose.q});
-  std::vector<contact::PartDirection> posture;
-  for (const hand::TurnedPart& part : turned_) {
-    const Eigen::Matrix3d R_OS = X_SO[static_cast<std::size_t>(part.link)].linear().transpose();
-    posture.push_back({part.name, R_OS * part.outward_S, R_OS * part.palmar_S});
-  }
-  return posture;
+  return shownPosture(turned_,
+                      hand_.skin->fromWorld(*hand_.model, {inverse(X_WO) * pose.X_WH, pose.q}));
 }
 
 }  // namespace handgraft::demonstration

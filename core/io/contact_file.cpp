@@ -19,6 +19,7 @@
 #include "core/io/file_bytes.h"
 #include "core/io/indexed_object.h"
 #include "core/io/object_file.h"
+#include "core/io/posture_json.h"
 
 namespace handgraft::io {
 namespace {
@@ -203,30 +204,6 @@ hand::HandLocation placeFrom(const json& value) {
   place.across = placeNumberFrom(value, "across", place.across);
   place.from_tip = placeNumberFrom(value, "from_tip", place.from_tip);
   return place;
-}
-
-Eigen::Vector3d directionFrom(const json& value, const char* field) {
-  const Eigen::Vector3d direction = vectorFrom(value, field);
-  if (!(direction.norm() > 0.0)) rejectInput("field '{}' has no length", field);
-  return direction.normalized();
-}
-
-std::vector<contact::PartDirection> postureFrom(const json& value) {
-  const json& list = arrayFrom(value, "posture");
-  if (list.size() > contact::kMostParts)
-    rejectInput("field 'posture' has {} entries; permitted are {}", list.size(),
-                contact::kMostParts);
-  std::vector<contact::PartDirection> posture;
-  for (const json& entry : list) {
-    if (!entry.is_object()) rejectInput("field 'posture': an entry is no object");
-    requireKnownKeys(entry, {"part", "outward", "palmar"});
-    contact::PartDirection part;
-    part.part = nameFrom(fieldOf(entry, "part"), "part");
-    part.outward_O = directionFrom(fieldOf(entry, "outward"), "outward");
-    if (entry.contains("palmar")) part.palmar_O = directionFrom(entry["palmar"], "palmar");
-    posture.push_back(std::move(part));
-  }
-  return posture;
 }
 
 Patch patchFrom(const json& value, const IndexedObject& object, bool may_have_place) {

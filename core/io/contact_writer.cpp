@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/io/contact_file.h"
 #include "core/io/indexed_object.h"
+#include "core/io/posture_json.h"
 
 namespace handgraft::io {
 namespace {
@@ -39,18 +40,6 @@ json placeJson(const hand::HandLocation& place) {
   if (place.segment_count > 0) value["segments"] = place.segment_count;
   if (place.from_tip >= 0.0) value["from_tip"] = place.from_tip;
   return value;
-}
-
-json postureJson(const std::vector<contact::PartDirection>& posture) {
-  json list = json::array();
-  for (const contact::PartDirection& part : posture) {
-    const Eigen::Vector3d& out = part.outward_O;
-    const Eigen::Vector3d& in = part.palmar_O;
-    json entry = {{"part", part.part}, {"outward", {out.x(), out.y(), out.z()}}};
-    if (!in.isZero()) entry["palmar"] = {in.x(), in.y(), in.z()};
-    list.push_back(std::move(entry));
-  }
-  return list;
 }
 
 }  // namespace

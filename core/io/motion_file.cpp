@@ -12,12 +12,14 @@
 #include "core/formats/json_keys.h"
 #include "core/geometry/surface_locator.h"
 #include "core/io/file_bytes.h"
+#include "core/io/posture_json.h"
 
 namespace handgraft::io {
 namespace {
 
 using geometry::SurfaceLocator;
 using geometry::SurfacePoint;
+using manipulation::DemonstratorKey;
 using manipulation::HandPoint;
 using manipulation::Motion;
 using manipulation::PatchKey;
@@ -169,10 +171,24 @@ PatchTrack trackFrom(const json& value, const SurfaceLocator& object_O) {
   return track;
 }
 
+Pose poseFromNumbers(const json& value, const char* label) {
+  const Eigen::Matrix<double, 7, 1> numbers = numbersFrom<7>(value, label);
+  return poseFromQuaternion(numbers.head<3>(), numbers.tail<4>(), label);
+}
+
+DemonstratorKey demonstratorFrom(const json& value) {
+  const Fields fields(value, "a key", {"frame", "hand_pose", "posture"});
+  DemonstratorKey key;
+  key.frame = fields.whole("frame");
+  key.X_OD = poseFromNumbers(fields.at("hand_pose"), "hand_pose");
+  if (fields.has("posture")) key.posture = postureFrom(fields.at("posture"));
+  return key;
+}
+
 Motion motionFrom(const json& root, const geometry::TriangleMesh& mesh_O) {
-  const Fields fields(
-      root, "the file",
-      {"format", "name", "object", "side", "hand", "time_s", "object_pose", "tracks", "notes"});
+  const Fields fields(root, "the file",
+                      {"format", "name", "object", "side", "hand", "time_s", "object_pose",
+                       "tracks", "demonstrator", "notes"});
   if (const std::string format = fields.text("format"); format != kMotionFormat)
     rejectInput("field 'format' is {}; it must be '{}'", quoted(format), kMotionFormat);
   const SurfaceLocator object_O(mesh_O);
@@ -189,15 +205,22 @@ Motion motionFrom(const json& root, const geometry::TriangleMesh& mesh_O) {
   }
   for (const json& pose : fields.list("object_pose")) {
     const std::string label = fmt::format("frame {}: object_pose", motion.X_WO.size());
-    const Eigen::Matrix<double, 7, 1> numbers = numbersFrom<7>(pose, label.c_str());
-    motion.X_WO.push_back(
-        poseFromQuaternion(numbers.head<3>(), numbers.tail<4>(), label.c_str()));
+    motion.X_WO.push_back(poseFromNumbers(pose, label.c_str()));
   }
   for (const json& track : fields.list("tracks")) {
     try {
       motion.tracks.push_back(trackFrom(track, object_O));
     } catch (const InvalidInput& error) {
       rejectInput("track {}: {}", motion.tracks.size(), error.what());
+    }
+  }
+  if (fields.has("demonstrator")) {
+    for (const json& key : fields.list("demonstrator")) {
+      try {
+        motion.demonstrator.push_back(demonstratorFrom(key));
+      } catch (const InvalidInput& error) {
+        rejectInput("demonstrator, key {}: {}", motion.demonstrator.size(), error.what());
+      }
     }
   }
   if (fields.has("notes"))
@@ -210,6 +233,12 @@ Motion motionFrom(const json& root, const geometry::TriangleMesh& mesh_O) {
 
 json vectorJson(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
+}
+
+json numbersOf(const Pose& X) {
+  const Eigen::Vector3d p = X.translation();
+  const Eigen::Vector4d q = quaternionOf(X);
+  return {p.x(), p.y(), p.z(), q[0], q[1], q[2], q[3]};
 }
 
 json keyJson(const PatchKey& key, const geometry::TriangleMesh& mesh_O) {
@@ -258,11 +287,8 @@ std::string motionText(const Motion& motion, const geometry::TriangleMesh& objec
   if (!motion.notes.empty()) root["notes"] = motion.notes;
   root["time_s"] = motion.time_s;
   json poses = json::array();
-  for (const Pose& X : motion.X_WO) {
-    const Eigen::Vector3d p = X.translation();
-    const Eigen::Vector4d q = quaternionOf(X);
-    poses.push_back({p.x(), p.y(), p.z(), q[0], q[1], q[2], q[3]});
-  }
+  for (const Pose& X : motion.X_WO)
+    poses.push_back(numbersOf(X));
   root["object_pose"] = std::move(poses);
   json tracks = json::array();
   for (const PatchTrack& track : motion.tracks) {
@@ -272,6 +298,11 @@ std::string motionText(const Motion& motion, const geometry::TriangleMesh& objec
     tracks.push_back({{"name", track.name}, {"end", track.end}, {"keys", std::move(keys)}});
   }
   root["tracks"] = std::move(tracks);
+  for (const DemonstratorKey& key : motion.demonstrator) {
+    json entry = {{"frame", key.frame}, {"hand_pose", numbersOf(key.X_OD)}};
+    if (!key.posture.empty()) entry["posture"] = postureJson(key.posture);
+    root["demonstrator"].push_back(std::move(entry));
+  }
   return root.dump() + "\n";
 }
 

@@ -136,6 +136,8 @@ class TouchTracks {
     const auto k = static_cast<int>(motion_.time_s.size());
     motion_.time_s.push_back(frame.time_s);
     motion_.X_WO.push_back(frame.X_WO);
+    if (isDemonstratorDue(motion_, k))
+      motion_.demonstrator.push_back({k, palmOf(frame), postureOf(frame)});
     std::vector<char> is_touching(open_.size(), 0);
     for (const DetectedContact& touch : touches) {
       is_touching[static_cast<std::size_t>(touch.part)] = 1;

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/time_note.h"
 #include "core/hand/hand_location.h"
+#include "core/manipulation/trajectory.h"
 
 namespace handgraft::manipulation {
 
@@ -34,18 +35,46 @@ void requireTimes(const Motion& motion) {
   }
 }
 
+void requireProper(const Pose& X, const std::string& what) {
+  if (!X.matrix().allFinite()) rejectInput("{} is not finite", what);
+  const Eigen::Matrix3d R = X.linear();
+  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > kRotationTolerance ||
+      R.determinant() < 0.0)
+    rejectInput("{} is no rotation and translation", what);
+}
+
+bool isUnit(const Eigen::Vector3d& d) {
+  constexpr double kRounded = 1e-3;  // as files write them
+  return std::abs(d.norm() - 1.0) < kRounded;
+}
+
 void requirePoses(const Motion& motion) {
   if (motion.X_WO.size() != motion.time_s.size()) {
     rejectInput("motion has {} poses of its object; {} frames need as many", motion.X_WO.size(),
                 motion.time_s.size());
   }
-  for (std::size_t k = 0; k < motion.X_WO.size(); ++k) {
-    const Pose& X = motion.X_WO[k];
-    if (!X.matrix().allFinite()) rejectInput("frame {}: the object's pose is not finite", k);
-    const Eigen::Matrix3d R = X.linear();
-    if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > kRotationTolerance ||
-        R.determinant() < 0.0)
-      rejectInput("frame {}: the object's pose is no rotation and translation", k);
+  for (std::size_t k = 0; k < motion.X_WO.size(); ++k)
+    requireProper(motion.X_WO[k], fmt::format("frame {}: the object's pose", k));
+}
+
+void requireDemonstrator(const Motion& motion) {
+  int before = -1;
+  for (const DemonstratorKey& key : motion.demonstrator) {
+    if (key.frame <= before || key.frame >= motion.frameCount()) {
+      rejectInput("demonstrator: key at frame {}; permitted are {} to {}", key.frame,
+                  before + 1, motion.frameCount() - 1);
+    }
+    before = key.frame;
+    requireProper(key.X_OD, fmt::format("demonstrator, frame {}: the hand's pose", key.frame));
+    if (key.posture.size() > contact::kMostParts)
+      rejectInput("demonstrator, frame {}: a posture of {} parts; permitted are {}", key.frame,
+                  key.posture.size(), contact::kMostParts);
+    for (const contact::PartDirection& part : key.posture) {
+      const bool has_palmar = !part.palmar_O.isZero();
+      if (!isUnit(part.outward_O) || (has_palmar && !isUnit(part.palmar_O)))
+        rejectInput("demonstrator, frame {}: a direction of part {} is not of unit length",
+                    key.frame, quoted(part.part));
+    }
   }
 }
 
@@ -112,9 +141,52 @@ int strideOf(const std::vector<double>& time_s, double seconds) {
   return std::clamp(static_cast<int>(std::lround(seconds / step_s)), 1, steps);
 }
 
+DemonstratorKey demonstratorAt(const Motion& motion, int frame) {
+  const std::vector<DemonstratorKey>& keys = motion.demonstrator;
+  HANDGRAFT_REQUIRE(!keys.empty());
+  const auto behind = std::upper_bound(keys.begin(), keys.end(), frame,
+                                       [](int wanted, const DemonstratorKey& key) {
+                                         return wanted < key.frame;
+                                       });
+  if (behind == keys.begin()) return keys.front();
+  DemonstratorKey now = *(behind - 1);
+  if (behind == keys.end() || now.frame == frame) return now;
+  const auto time_of = [&](int k) {
+    return motion.time_s.at(static_cast<std::size_t>(k));
+  };
+  const double share =
+      (time_of(frame) - time_of(now.frame)) / (time_of(behind->frame) - time_of(now.frame));
+  now.frame = frame;
+  now.X_OD = poseBetween({now.X_OD, {}}, {behind->X_OD, {}}, share).X_WH;
+  for (contact::PartDirection& part : now.posture) {
+    const auto then = std::find_if(behind->posture.begin(), behind->posture.end(),
+                                   [&](const contact::PartDirection& one) {
+                                     return one.part == part.part;
+                                   });
+    if (then == behind->posture.end()) continue;
+    part.outward_O += share * (then->outward_O - part.outward_O);
+    part.palmar_O += share * (then->palmar_O - part.palmar_O);
+    // What is turned round between two keys is not known there.
+    part.outward_O.normalize();
+    part.palmar_O.normalize();
+  }
+  return now;
+}
+
+bool isDemonstratorDue(const Motion& motion, int frame) {
+  constexpr double kHalfStep = 0.5e-6;  // s; for sums of steps
+  const auto time_at = [&](int k) {
+    return motion.time_s.at(static_cast<std::size_t>(k));
+  };
+  return motion.demonstrator.empty() ||
+         time_at(frame) - time_at(motion.demonstrator.back().frame) >=
+             kDemonstratorEvery - kHalfStep;
+}
+
 void validate(const geometry::TriangleMesh& object_O, const Motion& motion) {
   requireTimes(motion);
   requirePoses(motion);
+  requireDemonstrator(motion);
   std::size_t keys = 0;
   std::size_t points = 0;
   for (std::size_t i = 0; i < motion.tracks.size(); ++i) {
@@ -206,7 +278,10 @@ std::vector<std::string> remarksOn(const Motion& motion) {
   const auto bare = std::count(touched.begin(), touched.end(), 0);
   if (bare > 0) {
     remarks.push_back(fmt::format(
-        "{} of {} frames have no contact; the hand follows the object", bare, touched.size()));
+        "{} of {} frames have no contact; the hand {}", bare, touched.size(),
+        motion.demonstrator.empty()
+            ? "follows the object"
+            : "goes as the demonstrator's does, or, frame by frame, follows the object"));
   }
   return remarks;
 }

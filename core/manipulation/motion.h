@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/base/pose.h"
+#include "core/contact/contact_set.h"
 #include "core/contact/patch.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/hand/digits.h"
@@ -51,6 +52,13 @@ struct PatchTrack {
   [[nodiscard]] const PatchKey& keyAt(int frame) const;
 };
 
+/// The demonstrator's hand at a frame, touching or not.
+struct DemonstratorKey {
+  int frame = 0;
+  Pose X_OD = Pose::Identity();  ///< of any frame fixed to its palm: only its way counts
+  std::vector<contact::PartDirection> posture;
+};
+
 /// So many frames of a motion take so long, on average; one at least. Cost: O(1).
 int strideOf(const std::vector<double>& time_s, double seconds);
 
@@ -63,6 +71,9 @@ struct Motion {
   std::vector<double> time_s;      ///< of each frame, rising
   std::vector<Pose> X_WO;          ///< of each frame
   std::vector<PatchTrack> tracks;  ///< by rising begin
+  /// By rising frame, some each kDemonstratorEvery; between two of them the hand is in between.
+  /// Empty: nobody knows.
+  std::vector<DemonstratorKey> demonstrator;
   /// Remarks of whoever made it, shown to the user.
   std::vector<std::string> notes;
 
@@ -71,13 +82,25 @@ struct Motion {
   [[nodiscard]] double duration() const { return time_s.back() - time_s.front(); }
 };
 
+/// A person's hand changes little in that.
+inline constexpr double kDemonstratorEvery = 0.04;  // s
+
+/// The demonstrator's hand at any frame; before the first key and behind the last one as there.
+/// BrokenContract if nobody knows it.
+DemonstratorKey demonstratorAt(const Motion& motion, int frame);
+
+/// Whether a frame is due for a key of the demonstrator's hand: the first, and so much later
+/// than the last key's.
+bool isDemonstratorDue(const Motion& motion, int frame);
+
 // Bounds of memory: what a file asks for must not grow without end.
 inline constexpr int kMostFrames = 1'000'000;
 inline constexpr std::size_t kMostKeys = 4'000'000;
 inline constexpr std::size_t kMostMotionPoints = 20'000'000;
 
 /// Everything a motion promises: frames, times that rise and are finite, proper poses, tracks
-/// within the frames, keys that rise, patches on the mesh. InvalidInput names the frame or the
+/// within the frames, keys that rise, patches on the mesh, directions of unit length.
+/// InvalidInput names the frame or the
 /// track, the value and what is permitted.
 void validate(const geometry::TriangleMesh& object_O, const Motion& motion);
 

@@ -49,9 +49,15 @@ double beyond(double x, double limit) {
   return x < -limit ? x + limit : 0.0;
 }
 
+/// Whether a frame has other pairs than its tracks give it.
+bool hasPairsOfOwn(const MotionProblem& problem, int frame) {
+  const auto own = problem.own.find(frame);
+  return own != problem.own.end() && !(own->second.pairs.empty() && own->second.shares.empty());
+}
+
 /// Whether a frame has the same contacts as the one before: the same moments, then.
 bool hasContactsOfBefore(const MotionProblem& problem, const FrameProblems& frames, int frame) {
-  if (problem.own.count(frame) + problem.own.count(frame - 1) != 0) return false;
+  if (hasPairsOfOwn(problem, frame) || hasPairsOfOwn(problem, frame - 1)) return false;
   const auto& now = frames.presentAt(frame);
   const auto& before = frames.presentAt(frame - 1);
   if (now.size() != before.size()) return false;

@@ -53,6 +53,13 @@ ThinnedMotion thinned(const Motion& motion, int stride) {
     thin.motion.tracks.push_back(std::move(track));
     thin.keys.push_back(std::move(keys));
   }
+  for (const DemonstratorKey& key : motion.demonstrator) {
+    const int frame = kept_from(key.frame);
+    std::vector<DemonstratorKey>& keys = thin.motion.demonstrator;
+    if (!keys.empty() && keys.back().frame == frame) keys.pop_back();
+    keys.push_back(key);
+    keys.back().frame = frame;
+  }
   return thin;
 }
 

@@ -38,6 +38,7 @@ void validatePair(const PoseProblem& problem, std::size_t index) {
   if (!pair.p_L.allFinite() || !pair.p_W.allFinite()) {
     rejectInput("pair {}: its points must be finite", index);
   }
+  if (!pair.has_normals) return;
   const auto require_unit = [index](const Eigen::Vector3d& n, const char* side) {
     const double norm = n.norm();
     // Written so that a NaN fails, too.

@@ -35,6 +35,7 @@ constexpr double kMostSure = 64.0;
 
 constexpr int kPostureStarts = 3;  // as good as eight
 constexpr int kPostureEvaluations = 100;
+constexpr double kLeastPromised = 1e-6;  // from one posture to the next: some 0.01 deg
 
 /// Two directions that are to be one.
 void align(int link,
@@ -64,30 +65,26 @@ double misfitOf(const optimize::PoseProblem& problem, const hand::HandPose& pose
   return std::sqrt(sum / static_cast<double>(problem.pairs.size()));
 }
 
-}  // namespace
-
-Posture postureFor(const hand::Hand& hand, const contact::ContactSet& contacts) {
-  const Eigen::VectorXd q_straight = hand.skin->qReference();
-  Posture posture;
-  posture.q = hand::relaxedPosture(*hand.model, q_straight);
-  if (contacts.posture.empty()) return posture;
-
+/// Directions alone: the root's place plays no part. Joints that they leave open stay near
+/// `relaxed`.
+optimize::PoseProblem postureProblem(const hand::Hand& hand,
+                                     const std::vector<PartDirection>& posture,
+                                     const Eigen::VectorXd& relaxed) {
   hand::LinkPoses X_SL;
-  forwardKinematics(*hand.model, Pose::Identity(), q_straight, X_SL);
+  forwardKinematics(*hand.model, Pose::Identity(), hand.skin->qReference(), X_SL);
   std::map<std::string, hand::TurnedPart> parts;
   for (hand::TurnedPart& part : turnedParts(hand::coordinatesOf(hand)->anatomy()))
     parts[part.name] = std::move(part);
-  // Directions alone: the root's place plays no part.
   optimize::PoseProblem problem = optimize::makeProblem(hand.model);
   problem.weights = {0.0, 1.0, kRelaxing};
   problem.normal_form = optimize::NormalForm::kSum;
-  problem.start.q = posture.q;
-  problem.prior.q = posture.q;
+  problem.start.q = relaxed;
+  problem.prior.q = relaxed;
   problem.prior_weights = Eigen::VectorXd::Ones(problem.dofCount());
   problem.prior_weights.head<6>().setZero();
   for (int i = 3; i < 6; ++i)
     optimize::lock(i, problem);
-  for (const PartDirection& was : contacts.posture) {
+  for (const PartDirection& was : posture) {
     const auto part = parts.find(was.part);
     if (part == parts.end()) continue;
     const double weight = was.part == hand::kPalmPart ? kPalmWeight : 1.0;
@@ -96,6 +93,20 @@ Posture postureFor(const hand::Hand& hand, const contact::ContactSet& contacts) 
     align(link, R_LS * part->second.outward_S, was.outward_O, weight, problem);
     align(link, R_LS * part->second.palmar_S, was.palmar_O, kPalmarWeight * weight, problem);
   }
+  return problem;
+}
+
+Eigen::VectorXd relaxedJoints(const hand::Hand& hand) {
+  return hand::relaxedPosture(*hand.model, hand.skin->qReference());
+}
+
+}  // namespace
+
+Posture postureFor(const hand::Hand& hand, const contact::ContactSet& contacts) {
+  Posture posture;
+  posture.q = relaxedJoints(hand);
+  if (contacts.posture.empty()) return posture;
+  const optimize::PoseProblem problem = postureProblem(hand, contacts.posture, posture.q);
   // Fewer leave the hand free to turn.
   if (problem.pairs.size() < 2) return posture;
   optimize::SolveOptions options;
@@ -108,6 +119,22 @@ Posture postureFor(const hand::Hand& hand, const contact::ContactSet& contacts) 
   const double fit = kUsualMisfit / std::max(misfitOf(problem, report.pose), 1e-6);
   posture.sureness = std::clamp(std::pow(fit, 4.0), 1.0, kMostSure);
   return posture;
+}
+
+Eigen::VectorXd jointsLike(const hand::Hand& hand,
+                           const std::vector<PartDirection>& posture,
+                           const Eigen::Matrix3d& R_OH,
+                           const Eigen::VectorXd& start) {
+  optimize::PoseProblem problem = postureProblem(hand, posture, relaxedJoints(hand));
+  problem.start.X_WH.linear() = R_OH;
+  problem.start.q = start.cwiseMax(problem.lower).cwiseMin(problem.upper);
+  for (int i = 0; i < 3; ++i)
+    optimize::lock(i, problem);
+  optimize::SolveOptions options;
+  options.starts = 1;
+  options.max_evaluations = kPostureEvaluations;
+  options.least_promise = kLeastPromised;
+  return optimize::PoseSolver(problem).search(options, Progress()).pose.q;
 }
 
 }  // namespace handgraft::placement

@@ -24,4 +24,11 @@ struct Posture {
 /// Deterministic. Cost: some milliseconds.
 Posture postureFor(const hand::Hand& hand, const contact::ContactSet& contacts);
 
+/// The joints alone, of a hand that is turned as R_OH says, from `start` downhill: postures
+/// that follow each other have joints that do. Deterministic. Cost: some 0.2 ms.
+Eigen::VectorXd jointsLike(const hand::Hand& hand,
+                           const std::vector<contact::PartDirection>& posture,
+                           const Eigen::Matrix3d& R_OH,
+                           const Eigen::VectorXd& start);
+
 }  // namespace handgraft::placement

@@ -17,6 +17,7 @@
 #include "core/retargeting/motion_places.h"
 #include "core/retargeting/motion_slides.h"
 #include "core/retargeting/motion_times.h"
+#include "core/retargeting/motion_unheld.h"
 #include "core/session/field_bytes.h"
 #include "core/session/timed_edit.h"
 
@@ -294,19 +295,27 @@ EditedMotion::Base EditedMotion::solveBase(const Work& work, bool goes_on) {
   }
   const manipulation::MotionOptions& options = work.solving.options;
   const int count = solved.problem.frameCount();
+  const auto lay_unheld = [&](std::vector<hand::HandPose>& poses) {
+    return layUnheld(work.hand, as_laid->motion, options.fade, work.progress, solved.problem,
+                     poses);
+  };
   if (work.solving.causal) {
     solved.trajectory = solveCausal(solved.problem, options, work.progress);
   } else if (goes_on) {
     solved.trajectory = bases_.front().solved->trajectory;
     solved.trajectory.notes.clear();
+    lay_unheld(solved.trajectory.poses);
     solveAgain(solved.problem, options, 0, count, work.progress, solved.trajectory);
   } else {
+    if (!start.empty()) lay_unheld(start);
     std::vector<manipulation::FramePose> known;
     if (start.empty() && document.solving.avoids() && !isOfPoints(*motion_)) {
       known = posesOf(graspFrames(document, work.hand, object_O_, grasp_, as_laid->motion,
                                   work.threads, work.progress));
     }
     solved.trajectory = solveOffline(solved.problem, options, work.progress, start, known);
+    if (start.empty() && lay_unheld(solved.trajectory.poses))
+      solveAgain(solved.problem, options, 0, count, work.progress, solved.trajectory);
   }
   for (const std::vector<std::string>& notes :
        {remarksOn(*motion_), document.notes, as_laid->laid.notes, solved.trajectory.notes}) {

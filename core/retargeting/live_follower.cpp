@@ -10,6 +10,7 @@
 #include "core/contact/patch.h"
 #include "core/optimize/diagnosis.h"
 #include "core/placement/solids.h"
+#include "core/retargeting/hand_goal.h"
 
 namespace handgraft::retargeting {
 
@@ -231,26 +232,16 @@ std::optional<hand::HandPose> LiveFollower::leaveFor(
   const bool touches = std::any_of(parts_.begin(), parts_.end(), [](const TouchingPart& part) {
     return part.presence > 0.0;
   });
-  if (touches) leave_.hold(X_OD, posture, *last_O_);
-  if (touches || !leave_.hasHeld()) return std::nullopt;
-  return leave_.goal(hand_, X_OD, posture, problem_.lower, problem_.upper);
+  if (touches) along_.emplace(X_OD, posture, *last_O_);
+  if (touches || !along_) return std::nullopt;
+  return along_->goal(hand_, X_OD, posture, problem_.lower, problem_.upper);
 }
 
 optimize::PoseProblem LiveFollower::problemTo(const hand::HandPose& goal_O) const {
   optimize::PoseProblem single = problemNow();
-  single.pairs.clear();
   // What is inside would keep the hand there.
   if (depth_ > kDeep) single.avoidance = {};
-  hand::LinkPoses X_OL;
-  hand::forwardKinematics(*hand_.model, goal_O.X_WH, goal_O.q, X_OL);
-  for (std::size_t link = 0; link < X_OL.size(); ++link) {
-    optimize::PointPair pair;
-    pair.link = static_cast<int>(link);
-    pair.p_W = X_OL[link].translation();
-    pair.has_normals = false;
-    pair.weight = kWayWeight;
-    single.pairs.push_back(pair);
-  }
+  single.pairs = pairsTo(*hand_.model, goal_O, kWayWeight);
   return single;
 }
 

@@ -13,10 +13,10 @@
 #include "core/optimize/solve_report.h"
 #include "core/placement/open_roots.h"
 #include "core/quality/penetration.h"
+#include "core/retargeting/going_along.h"
 #include "core/retargeting/live_beginning.h"
 #include "core/retargeting/live_fingers.h"
 #include "core/retargeting/live_glitches.h"
-#include "core/retargeting/live_leave.h"
 #include "core/retargeting/live_searches.h"
 #include "core/retargeting/live_way.h"
 #include "core/retargeting/motion_solving.h"
@@ -39,7 +39,7 @@ namespace handgraft::retargeting {
 /// most. So it is where a finger has touched for as long and none of the hand's shows it, and
 /// where it is more than 2 mm inside the object.
 ///
-/// While nothing touches it goes as the demonstrator's hand does over the object (LiveLeave):
+/// While nothing touches it goes as the demonstrator's hand does over the object (GoingAlong):
 /// away, open, and back to the same or to another place.
 ///
 /// It begins when three parts or more touch and no more come, or two fingers pinch
@@ -196,7 +196,7 @@ class LiveFollower {
   double depth_ = 0.0;                    // m, of the last answer in the object
   LiveBeginning beginning_;
   LiveSearches searches_;
-  LiveLeave leave_;
+  std::optional<GoingAlong> along_;
   std::optional<LiveWay> way_;  // to a better pose that was found far from the hand
 };
 

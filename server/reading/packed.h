@@ -17,8 +17,9 @@ ReadRequest unpackRequest(std::string_view bytes);
 std::string pack(const ReadModel& model);
 
 /// Forms of packed models, which stores and session files keep. Up to 1 they do not say which
-/// faces of an object are turned, nor which hand touched.
-inline constexpr int kPackedForm = 2;
+/// faces of an object are turned, nor which hand touched; up to 2 not how a motion's
+/// demonstrator went.
+inline constexpr int kPackedForm = 3;
 
 /// What was read, for sure: whatever the bytes are, what comes back keeps the promises of its
 /// types (finite, indices in range, names that exist, sizes within bounds), and no more memory

@@ -344,6 +344,29 @@ std::vector<hand::NamedPose> takePoses(ByteReader& in, const hand::HandModel& mo
 
 // === Contacts
 
+void put(ByteWriter& out, const std::vector<contact::PartDirection>& posture) {
+  out.count(posture.size());
+  for (const contact::PartDirection& part : posture) {
+    out.text(part.part);
+    out.numbers(part.outward_O.data(), 3);
+    out.numbers(part.palmar_O.data(), 3);
+  }
+}
+
+std::vector<contact::PartDirection> takePosture(ByteReader& in) {
+  std::vector<contact::PartDirection> posture(
+      in.count(contact::kMostParts, 6 * sizeof(double)));
+  for (contact::PartDirection& part : posture) {
+    part.part = in.text();
+    in.numbers(part.outward_O.data(), 3);
+    in.numbers(part.palmar_O.data(), 3);
+    requireAll(
+        isUnitOrZero(part.outward_O) && !part.outward_O.isZero() && isUnitOrZero(part.palmar_O),
+        "a posture's direction without unit length");
+  }
+  return posture;
+}
+
 void put(ByteWriter& out, const contact::ContactSet& set) {
   out.text(set.name);
   out.text(set.object);
@@ -351,12 +374,7 @@ void put(ByteWriter& out, const contact::ContactSet& set) {
   out.count(set.patches.size());
   for (const contact::Patch& patch : set.patches)
     put(out, patch);
-  out.count(set.posture.size());
-  for (const contact::PartDirection& part : set.posture) {
-    out.text(part.part);
-    out.numbers(part.outward_O.data(), 3);
-    out.numbers(part.palmar_O.data(), 3);
-  }
+  put(out, set.posture);
   put(out, set.notes);
 }
 
@@ -376,15 +394,7 @@ contact::ContactSet takeContactSet(ByteReader& in, const geometry::TriangleMesh&
     requireAll(points <= contact::kMostPoints, "too many points");
     requireAll(names.insert(patch.name).second, "two patches of one name");
   }
-  set.posture.resize(in.count(contact::kMostParts, 6 * sizeof(double)));
-  for (contact::PartDirection& part : set.posture) {
-    part.part = in.text();
-    in.numbers(part.outward_O.data(), 3);
-    in.numbers(part.palmar_O.data(), 3);
-    requireAll(
-        isUnitOrZero(part.outward_O) && !part.outward_O.isZero() && isUnitOrZero(part.palmar_O),
-        "a posture's direction without unit length");
-  }
+  set.posture = takePosture(in);
   set.notes = takeTexts(in);
   return set;
 }
@@ -411,6 +421,19 @@ contact::ContactMap takeContactMap(ByteReader& in) {
 
 // === Motions
 
+void put(ByteWriter& out, const Pose& X) {
+  const Eigen::Matrix<double, 3, 4> rows = X.matrix().topRows<3>();
+  out.numbers(rows.data(), 12);
+}
+
+Pose takeRows(ByteReader& in) {
+  Eigen::Matrix<double, 3, 4> rows;
+  in.numbers(rows.data(), 12);
+  Pose X = Pose::Identity();
+  X.matrix().topRows<3>() = rows;
+  return X;
+}
+
 void put(ByteWriter& out, const manipulation::Motion& motion) {
   out.text(motion.name);
   out.text(motion.object);
@@ -418,10 +441,8 @@ void put(ByteWriter& out, const manipulation::Motion& motion) {
   out.text(motion.hand);
   out.count(motion.time_s.size());
   out.numbers(motion.time_s.data(), motion.time_s.size());
-  for (const Pose& X : motion.X_WO) {
-    const Eigen::Matrix<double, 3, 4> rows = X.matrix().topRows<3>();
-    out.numbers(rows.data(), 12);
-  }
+  for (const Pose& X : motion.X_WO)
+    put(out, X);
   out.count(motion.tracks.size());
   for (const manipulation::PatchTrack& track : motion.tracks) {
     out.text(track.name);
@@ -437,6 +458,12 @@ void put(ByteWriter& out, const manipulation::Motion& motion) {
       }
     }
   }
+  out.count(motion.demonstrator.size());
+  for (const manipulation::DemonstratorKey& key : motion.demonstrator) {
+    out.number(static_cast<std::int32_t>(key.frame));
+    put(out, key.X_OD);
+    put(out, key.posture);
+  }
   put(out, motion.notes);
 }
 
@@ -448,13 +475,8 @@ manipulation::Motion takeMotion(ByteReader& in, const geometry::TriangleMesh& me
   motion.hand = in.text();
   motion.time_s.resize(in.count(manipulation::kMostFrames, 13 * sizeof(double)));
   in.numbers(motion.time_s.data(), motion.time_s.size());
-  for (std::size_t k = 0; k < motion.time_s.size(); ++k) {
-    Eigen::Matrix<double, 3, 4> rows;
-    in.numbers(rows.data(), 12);
-    Pose X = Pose::Identity();
-    X.matrix().topRows<3>() = rows;
-    motion.X_WO.push_back(X);
-  }
+  for (std::size_t k = 0; k < motion.time_s.size(); ++k)
+    motion.X_WO.push_back(takeRows(in));
   motion.tracks.resize(in.count(manipulation::kMostKeys, 2 * kSize));
   for (manipulation::PatchTrack& track : motion.tracks) {
     track.name = in.text();
@@ -469,6 +491,14 @@ manipulation::Motion takeMotion(ByteReader& in, const geometry::TriangleMesh& me
         point.link = in.text();
         point.p_L = takePoint(in);
       }
+    }
+  }
+  if (in.form() > 2) {
+    motion.demonstrator.resize(in.count(manipulation::kMostFrames, 13 * sizeof(double)));
+    for (manipulation::DemonstratorKey& key : motion.demonstrator) {
+      key.frame = in.number<std::int32_t>();
+      key.X_OD = takeRows(in);
+      key.posture = takePosture(in);
     }
   }
   motion.notes = takeTexts(in);

@@ -218,6 +218,11 @@ ReadMotion smallMotion(const ReadRequest& map) {
   track.keys[0].hand_points.resize(track.keys[0].patch.interpolation_boundary.size(),
                                    {"tip", Eigen::Vector3d::UnitX()});
   motion.tracks.push_back(track);
+  manipulation::DemonstratorKey shown;
+  shown.frame = 1;
+  shown.X_OD.translation().y() = 0.2;
+  shown.posture = {{"palm", Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ()}};
+  motion.demonstrator.push_back(shown);
   return {motion};
 }
 
@@ -235,6 +240,28 @@ ReadHandTrajectory smallTrajectory() {
   read.plan.trajectory.frames[1].time_s = 0.5;
   read.plan.trajectory.frames[1].X_WO.translation().x() = 0.1;
   return read;
+}
+
+TEST(Packed, AMotionsDemonstratorComesBackAndOlderStoresHaveNone) {
+  const auto object = requestFor(ReadKind::kObject, written("o.ply", ballPly(0.04, 1.0)));
+  const ReadRequest map = mapRequest(object.files.begin()->second, object);
+  ReadMotion motion = smallMotion(map);
+  const std::string bytes = pack(ReadModel(motion));
+  const auto back = std::get<ReadMotion>(unpackModel(bytes, map.contacts.object.get())).motion;
+  ASSERT_EQ(back.demonstrator.size(), 1u);
+  EXPECT_EQ(back.demonstrator[0].frame, 1);
+  EXPECT_EQ(back.demonstrator[0].X_OD.translation().y(), 0.2);
+  ASSERT_EQ(back.demonstrator[0].posture.size(), 1u);
+  EXPECT_EQ(back.demonstrator[0].posture[0].part, "palm");
+
+  const std::string shown = pack(ReadModel(motion));
+  motion.motion.demonstrator.clear();
+  const std::string old = withoutNews(pack(ReadModel(motion)), shown, sizeof(std::uint64_t));
+  const auto older =
+      std::get<ReadMotion>(unpackModel(old, map.contacts.object.get(), 2)).motion;
+  EXPECT_EQ(older.time_s, motion.motion.time_s);
+  EXPECT_TRUE(older.demonstrator.empty());
+  EXPECT_THROW((void)unpackModel(old, map.contacts.object.get()), InvalidInput);
 }
 
 TEST(Packed, AHandsTrajectoryComesBack) {

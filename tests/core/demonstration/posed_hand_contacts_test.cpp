@@ -86,6 +86,15 @@ TEST_F(SmallHandAboutABox, IsFollowedFromWhereItBeginsToTouchUntilItDoesNot) {
     EXPECT_TRUE(track.keys.front().patch.place.has_value()) << track.name;
   }
   EXPECT_THAT(motion.notes, testing::ElementsAre(testing::HasSubstr("there for 50 ms alone")));
+  // Its way is known in all of them.
+  ASSERT_EQ(motion.demonstrator.size(), 16u);
+  const Pose went = motion.demonstrator[3].X_OD * inverse(motion.demonstrator[2].X_OD);
+  EXPECT_NEAR(
+      (motion.demonstrator[3].X_OD.translation() - motion.demonstrator[2].X_OD.translation())
+          .norm(),
+      0.5, 1e-9);
+  EXPECT_LT(vectorFromRotation(went.linear()).norm(), 1e-9);
+  EXPECT_EQ(motion.demonstrator[3].posture.size(), contacts().set.posture.size());
 
   // Cut half as often, each cut holds for two frames.
   PosedMotionOptions seldom;

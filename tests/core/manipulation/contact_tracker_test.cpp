@@ -186,6 +186,12 @@ TEST(MotionOfDemonstration, TracksBeginAndEndWithTheTouch) {
   }
   const Motion motion = motionOfDemonstration(frames, table);
   EXPECT_EQ(motion.frameCount(), 60);
+  ASSERT_EQ(motion.demonstrator.size(), 20u) << "each 40 ms, of 60 frames a second: 50 ms";
+  for (const DemonstratorKey& key : motion.demonstrator) {
+    const DemonstratedFrame& frame = frames[static_cast<std::size_t>(key.frame)];
+    EXPECT_TRUE(key.X_OD.isApprox(palmOf(frame), 1e-9));
+    EXPECT_EQ(key.posture.size(), postureOf(frame).size());
+  }
   ASSERT_GT(motion.tracks.size(), 5u);
   for (const PatchTrack& track : motion.tracks) {
     EXPECT_GT(track.begin(), 0);

@@ -1,8 +1,10 @@
 #include "core/manipulation/motion.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -75,6 +77,71 @@ TEST(Motion, AKeyHoldsUntilTheNext) {
   EXPECT_EQ(motion.tracks[0].keyAt(4).frame, 4);
   EXPECT_EQ(motion.tracks[0].keyAt(7).frame, 4);
   EXPECT_THROW(static_cast<void>(motion.tracks[0].keyAt(8)), BrokenContract);
+}
+
+/// The demonstrator's hand at frames 0, 4 and 8, turned by a quarter from the first to the
+/// second, and where it is.
+Motion shownSlide() {
+  Motion motion = slide();
+  for (const int frame : {0, 4, 8}) {
+    DemonstratorKey key;
+    key.frame = frame;
+    const Eigen::Matrix3d R = rotationFromVector(Eigen::Vector3d::UnitZ() *
+                                                 (frame > 0 ? 0.5 * std::numbers::pi : 0.0));
+    key.X_OD.linear() = R;
+    key.X_OD.translation().x() = 0.01 * frame;
+    key.posture = {{"palm", R * Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ()},
+                   {"thumb_distal", R * Eigen::Vector3d::UnitY(), Eigen::Vector3d::Zero()}};
+    motion.demonstrator.push_back(key);
+  }
+  return motion;
+}
+
+TEST(Motion, BetweenTwoKeysTheDemonstratorIsInBetween) {
+  const Motion motion = shownSlide();
+  const DemonstratorKey half = demonstratorAt(motion, 2);
+  EXPECT_NEAR(half.X_OD.translation().x(), 0.02, 1e-12);
+  const Eigen::Vector3d diagonal = Eigen::Vector3d(1.0, 1.0, 0.0).normalized();
+  EXPECT_TRUE(half.X_OD.linear().col(0).isApprox(diagonal, 1e-12));
+  EXPECT_TRUE(half.posture[0].outward_O.isApprox(diagonal, 1e-12));
+  EXPECT_TRUE(half.posture[0].palmar_O.isApprox(Eigen::Vector3d::UnitZ(), 1e-12));
+  EXPECT_TRUE(half.posture[1].palmar_O.isZero()) << "nobody knows it";
+  EXPECT_NEAR(demonstratorAt(motion, 4).X_OD.translation().x(), 0.04, 1e-12);
+  EXPECT_NEAR(demonstratorAt(motion, 9).X_OD.translation().x(), 0.08, 1e-12) << "the last";
+  EXPECT_THROW((void)demonstratorAt(slide(), 0), BrokenContract);
+}
+
+TEST(Motion, ADemonstratorIsDueEach40Milliseconds) {
+  Motion motion = shownSlide();
+  motion.demonstrator.resize(1);
+  EXPECT_FALSE(isDemonstratorDue(motion, 3));
+  EXPECT_TRUE(isDemonstratorDue(motion, 4)) << "0.01 s a frame";
+  motion.demonstrator.clear();
+  EXPECT_TRUE(isDemonstratorDue(motion, 0));
+}
+
+TEST(Motion, NamesWhatIsWrongOfItsDemonstrator) {
+  EXPECT_EQ(faultOf(shownSlide()), "");
+  Motion motion = shownSlide();
+  motion.demonstrator[1].frame = 0;
+  EXPECT_THAT(faultOf(motion), HasSubstr("demonstrator: key at frame 0; permitted are 1 to 9"));
+  motion = shownSlide();
+  motion.demonstrator[2].frame = 10;
+  EXPECT_THAT(faultOf(motion), HasSubstr("demonstrator: key at frame 10"));
+  motion = shownSlide();
+  motion.demonstrator[1].X_OD.translation().y() = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(faultOf(motion),
+              HasSubstr("demonstrator, frame 4: the hand's pose is not finite"));
+  motion = shownSlide();
+  motion.demonstrator[1].X_OD.linear() *= 2.0;
+  EXPECT_THAT(faultOf(motion), HasSubstr("is no rotation and translation"));
+  motion = shownSlide();
+  motion.demonstrator[1].posture[1].outward_O *= 0.5;
+  EXPECT_THAT(faultOf(motion), HasSubstr("direction of part 'thumb_distal'"));
+  motion = shownSlide();
+  motion.demonstrator[1].posture.resize(contact::kMostParts + 1,
+                                        motion.demonstrator[1].posture[0]);
+  EXPECT_THAT(faultOf(motion), HasSubstr("a posture of 1001 parts; permitted are 1000"));
 }
 
 TEST(Motion, NamesWhatIsWrong) {
@@ -177,6 +244,24 @@ TEST(MotionFile, ComesBackAsItWent) {
   }
 }
 
+TEST(MotionFile, TheDemonstratorComesBack) {
+  const Motion motion = shownSlide();
+  const Motion back = io::motionFromText(io::motionText(motion, ball()), ball());
+  ASSERT_EQ(back.demonstrator.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const DemonstratorKey& was = motion.demonstrator[i];
+    const DemonstratorKey& is = back.demonstrator[i];
+    EXPECT_EQ(is.frame, was.frame);
+    EXPECT_TRUE(is.X_OD.isApprox(was.X_OD, 1e-12));
+    ASSERT_EQ(is.posture.size(), was.posture.size());
+    for (std::size_t j = 0; j < is.posture.size(); ++j) {
+      EXPECT_EQ(is.posture[j].part, was.posture[j].part);
+      EXPECT_TRUE(is.posture[j].outward_O.isApprox(was.posture[j].outward_O, 1e-12));
+      EXPECT_TRUE((is.posture[j].palmar_O - was.posture[j].palmar_O).isZero(1e-12));
+    }
+  }
+}
+
 TEST(MotionFile, NamesTheFieldThatIsWrong) {
   const std::string text = io::motionText(slide(), ball());
   const auto fault_with = [&](const std::string& what, const std::string& instead) {
@@ -197,6 +282,12 @@ TEST(MotionFile, NamesTheFieldThatIsWrong) {
   EXPECT_THAT(fault_with("\"time_s\":[0.0", "\"time_s\":[null"),
               HasSubstr("'time_s' has 'null'"));
   EXPECT_THAT(fault_with("\"root\":[", "\"root\":[1e3,"), HasSubstr("field 'root' must be"));
+  EXPECT_THAT(fault_with("\"name\":\"slide\"", "\"demonstrator\":[{\"frame\":1}]"),
+              HasSubstr("demonstrator, key 0: field 'hand_pose' is missing"));
+  EXPECT_THAT(fault_with("\"name\":\"slide\"",
+                         "\"demonstrator\":[{\"frame\":1,\"hand_pose\":[0,0,0,1,0,0,0],"
+                         "\"posture\":[{\"part\":\"palm\",\"outward\":[0,0,0]}]}]"),
+              HasSubstr("demonstrator, key 0: field 'outward' has no length"));
   EXPECT_THAT(fault_with("{", "["), HasSubstr("parse error"));
 }
 

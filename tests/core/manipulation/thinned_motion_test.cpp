@@ -62,6 +62,21 @@ TEST(ThinnedMotion, HasEachNthFrameWhatAppearsAndTheLast) {
   EXPECT_EQ(thin.motion.tracks[1].end, 3);
 }
 
+TEST(ThinnedMotion, HasTheDemonstratorWhereItsFramesAre) {
+  Motion motion = twoTracks();
+  for (const int frame : {0, 4, 5, 9}) {
+    motion.demonstrator.emplace_back().frame = frame;
+    motion.demonstrator.back().X_OD.translation().x() = frame;
+  }
+  const ThinnedMotion thin = thinned(motion, 6);
+  std::vector<int> frames;
+  for (const DemonstratorKey& key : thin.motion.demonstrator)
+    frames.push_back(key.frame);
+  EXPECT_THAT(frames, ElementsAre(0, 1, 3));
+  // Of the keys at 4 and 5 the latter is nearer to frame 6.
+  EXPECT_EQ(thin.motion.demonstrator[1].X_OD.translation().x(), 5.0);
+}
+
 TEST(ThinnedMotion, OfEachFrameIsTheWhole) {
   const Motion motion = twoTracks();
   const ThinnedMotion thin = thinned(motion, 1);

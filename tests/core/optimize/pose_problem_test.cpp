@@ -150,6 +150,15 @@ TEST(PoseProblem, ForgivesWhatRoundingInFilesCosts) {
   EXPECT_NO_THROW(validate(problem));
 }
 
+TEST(PoseProblem, NormalsThatCountForNothingMayBeAny) {
+  PoseProblem problem = sound();
+  ASSERT_FALSE(problem.pairs.empty());
+  problem.pairs[0].n_L.setZero();
+  EXPECT_THROW(validate(problem), InvalidInput);
+  problem.pairs[0].has_normals = false;
+  EXPECT_NO_THROW(validate(problem));
+}
+
 TEST(PoseProblem, ContradictingBoundsAreFoundAndNotRefused) {
   PoseProblem problem = sound();
   EXPECT_FALSE(boundsContradict(problem));

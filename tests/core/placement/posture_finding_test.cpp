@@ -104,6 +104,21 @@ TEST_F(PostureOfASmallHand, IsSurerTheNearerTheHandComes) {
   EXPECT_EQ(bent_by(0.6), 1.0);
 }
 
+TEST_F(PostureOfASmallHand, JointsFollowItFromOneToTheNext) {
+  const Eigen::Matrix3d R_OH = pose.X_WH.linear();
+  Eigen::VectorXd like = hand::relaxedPosture(*hand.model, hand.skin->qReference());
+  for (int i = 0; i < 5; ++i) {
+    pose.q[0] += 0.05;
+    pose.q[4] -= 0.04;
+    like = jointsLike(hand, shown().posture, R_OH, like);
+    EXPECT_LT((like - pose.q).lpNorm<Eigen::Infinity>(), 0.02) << i;
+  }
+  // A hand that is turned otherwise makes up for it by its joints alone, as far as it can.
+  const Eigen::VectorXd turned =
+      jointsLike(hand, shown().posture, R_OH * rotationFromVector({0.0, 0.1, 0.0}), like);
+  EXPECT_GT((turned - like).lpNorm<Eigen::Infinity>(), 0.03);
+}
+
 TEST_F(PostureOfASmallHand, IsRelaxedWhereNobodyKnows) {
   const Posture posture = postureFor(hand, {});
   EXPECT_EQ(posture.q, hand::relaxedPosture(*hand.model, hand.skin->qReference()));
