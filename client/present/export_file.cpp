@@ -124,11 +124,13 @@ std::vector<std::string> beyondOwnLimits(const v1::SessionSettings& settings) {
 std::vector<std::string> exportSession(Client& server,
                                        std::uint64_t session_id,
                                        const std::string& format,
-                                       const NamedFile& file) {
+                                       const NamedFile& file,
+                                       Exported what) {
   requireWritable(file);
   v1::ExportRequest request;
   request.session_id(session_id);
   request.format(v1::enumeratorFrom<v1::ExportFormat>(format, "format"));
+  request.live(what == Exported::kLive);
   if (request.format() == v1::EXPORT_PROBLEM) {
     const std::string hand = server.describeSession(session_id).get().hand();
     request.urdf_path(writeHand(server.describe(v1::MODEL_HAND, hand, false).get().hand(),

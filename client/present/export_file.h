@@ -28,6 +28,12 @@ const std::vector<std::string>& exportFormats();
 /// own limits; of a motion, which may go there.
 std::vector<std::string> beyondOwnLimits(const v1::SessionSettings& settings);
 
+/// Of a session with a motion.
+enum class Exported {
+  kAsSolved,
+  kLive,  ///< what its hand did last after a demonstrator
+};
+
 /// Has the server write its session in a format, and keeps that in a file. For `problem`, the
 /// hand's URDF is written beside it (`writeHand`). Complaints name the file by `file.option`.
 /// Returns what its reader must know.
@@ -35,7 +41,8 @@ std::vector<std::string> beyondOwnLimits(const v1::SessionSettings& settings);
 std::vector<std::string> exportSession(Client& server,
                                        std::uint64_t session_id,
                                        const std::string& format,
-                                       const NamedFile& file);
+                                       const NamedFile& file,
+                                       Exported what = Exported::kAsSolved);
 
 /// Writes the hand's URDF into the folder and returns its name there. A file that others may
 /// need stays, and so do those of `taken`, which are to be written later: then a hash of the

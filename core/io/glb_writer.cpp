@@ -212,15 +212,15 @@ std::string glbBytes(const PosedGrasp& grasp) {
 }
 
 std::string trajectoryGlb(const HandTrajectory& trajectory) {
-  const manipulation::Motion& motion = *trajectory.contacts;
-  const std::vector<hand::HandPose>& poses = trajectory.solved->trajectory.poses;
+  const TrajectoryFrame& first = trajectory.frames.front();
   PosedGrasp grasp{trajectory.hand,     trajectory.object, trajectory.model,
-                   trajectory.object_O, poses.front(),     motion.X_WO.front()};
+                   trajectory.object_O, first.pose_W,      first.X_WO};
   GlbWriter::Movement movement;
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    movement.time_s.push_back(static_cast<float>(motion.time_s[k] - motion.time_s.front()));
-    grasp.X_WO = motion.X_WO[k];
-    grasp.pose = {motion.X_WO[k] * poses[k].X_WH, poses[k].q};
+  for (std::size_t k = 0; k < trajectory.frames.size(); ++k) {
+    const TrajectoryFrame& frame = trajectory.frames[k];
+    movement.time_s.push_back(static_cast<float>(frame.time_s - first.time_s));
+    grasp.X_WO = frame.X_WO;
+    grasp.pose = frame.pose_W;
     movement.X_WP.push_back(partPoses(grasp));
     if (k == 0) continue;
     // glTF's times must rise in single precision, too.
@@ -228,8 +228,8 @@ std::string trajectoryGlb(const HandTrajectory& trajectory) {
         std::max(movement.time_s[k],
                  std::nextafter(movement.time_s[k - 1], std::numeric_limits<float>::max()));
   }
-  grasp.X_WO = motion.X_WO.front();
-  grasp.pose = {motion.X_WO.front() * poses.front().X_WH, poses.front().q};
+  grasp.X_WO = first.X_WO;
+  grasp.pose = first.pose_W;
   return GlbWriter().write(grasp, movement);
 }
 

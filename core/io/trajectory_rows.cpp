@@ -56,34 +56,32 @@ Eigen::Matrix<double, 6, 1> freeVelocity(const Pose& from, const Pose& to, doubl
 }  // namespace
 
 TrajectoryRows rowsOf(const HandTrajectory& trajectory) {
-  const manipulation::Motion& motion = *trajectory.contacts;
-  const std::vector<hand::HandPose>& poses = trajectory.solved->trajectory.poses;
-  HANDGRAFT_REQUIRE(!poses.empty() && poses.size() == motion.X_WO.size());
-  const auto frames = static_cast<Eigen::Index>(poses.size());
-  TrajectoryRows rows = roomFor(*trajectory.model, poses.front().q, frames);
+  const std::vector<TrajectoryFrame>& all = trajectory.frames;
+  HANDGRAFT_REQUIRE(!all.empty());
+  const auto frames = static_cast<Eigen::Index>(all.size());
+  TrajectoryRows rows = roomFor(*trajectory.model, all.front().pose_W.q, frames);
   const auto joints = static_cast<Eigen::Index>(rows.joint_names.size());
-  std::vector<Pose> X_WH;
   Eigen::VectorXd root;
   Eigen::VectorXd object;
   for (Eigen::Index k = 0; k < frames; ++k) {
-    const auto at = static_cast<std::size_t>(k);
-    rows.time_s.push_back(motion.time_s[at] - motion.time_s.front());
-    X_WH.push_back(motion.X_WO[at] * poses[at].X_WH);
-    root = freeJoint(X_WH.back(), root);
-    object = freeJoint(motion.X_WO[at], object);
+    const TrajectoryFrame& frame = all[static_cast<std::size_t>(k)];
+    rows.time_s.push_back(frame.time_s - all.front().time_s);
+    root = freeJoint(frame.pose_W.X_WH, root);
+    object = freeJoint(frame.X_WO, object);
     rows.qpos.col(k).head<7>() = root;
     rows.qpos.col(k).tail<7>() = object;
-    setJoints(*trajectory.model, poses[at].q, k, rows);
+    setJoints(*trajectory.model, frame.pose_W.q, k, rows);
   }
   for (Eigen::Index k = 0; frames > 1 && k < frames; ++k) {
-    const auto from = static_cast<std::size_t>(std::max<Eigen::Index>(k - 1, 0));
-    const auto to = static_cast<std::size_t>(std::min(k + 1, frames - 1));
-    const double time_s = rows.time_s[to] - rows.time_s[from];
-    rows.qvel.col(k).head<6>() = freeVelocity(X_WH[from], X_WH[to], time_s);
-    rows.qvel.col(k).tail<6>() = freeVelocity(motion.X_WO[from], motion.X_WO[to], time_s);
+    const Eigen::Index before = std::max<Eigen::Index>(k - 1, 0);
+    const Eigen::Index behind = std::min(k + 1, frames - 1);
+    const TrajectoryFrame& from = all[static_cast<std::size_t>(before)];
+    const TrajectoryFrame& to = all[static_cast<std::size_t>(behind)];
+    const double time_s = to.time_s - from.time_s;
+    rows.qvel.col(k).head<6>() = freeVelocity(from.pose_W.X_WH, to.pose_W.X_WH, time_s);
+    rows.qvel.col(k).tail<6>() = freeVelocity(from.X_WO, to.X_WO, time_s);
     rows.qvel.col(k).segment(6, joints) =
-        (rows.qpos.col(static_cast<Eigen::Index>(to)).segment(7, joints) -
-         rows.qpos.col(static_cast<Eigen::Index>(from)).segment(7, joints)) /
+        (rows.qpos.col(behind).segment(7, joints) - rows.qpos.col(before).segment(7, joints)) /
         time_s;
   }
   return rows;

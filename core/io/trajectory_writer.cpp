@@ -1,6 +1,5 @@
 #include "core/io/trajectory_writer.h"
 
-#include <algorithm>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -25,62 +24,34 @@ json poseJson(const Eigen::Ref<const Eigen::VectorXd>& free_joint) {
           {"q_wxyz", {free_joint[3], free_joint[4], free_joint[5], free_joint[6]}}};
 }
 
-/// The middle of a patch in W, and how much of it is there.
-struct PatchAt {
-  double presence = 0.0;
-  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
-};
-
-std::vector<PatchAt> patchesAt(const HandTrajectory& trajectory,
-                               const retargeting::MotionFits& fits,
-                               std::size_t patch_count,
-                               int frame) {
-  std::vector<PatchAt> patches(patch_count);
-  const manipulation::Motion& motion = *trajectory.contacts;
-  for (const retargeting::PatchFrameFit& fit : fits.at(frame)) {
-    PatchAt& patch = patches[static_cast<std::size_t>(fit.patch)];
-    if (patch.presence >= fit.presence) continue;  // the same patch, on its way out
-    const manipulation::PatchTrack& track = motion.tracks[static_cast<std::size_t>(fit.track)];
-    const contact::Patch& shape =
-        track.keyAt(std::clamp(frame, track.begin(), track.end - 1)).patch;
-    patch.presence = fit.presence;
-    patch.p_W = motion.X_WO[static_cast<std::size_t>(frame)] *
-                positionOf(*trajectory.object_O, shape.root);
-  }
-  return patches;
-}
-
 }  // namespace
 
 std::string trajectoryJson(const HandTrajectory& trajectory) {
   const TrajectoryRows rows = rowsOf(trajectory);
-  const retargeting::MotionFits fits(*trajectory.contacts, *trajectory.solved);
   const auto joints = static_cast<Eigen::Index>(rows.joint_names.size());
-  json document = {{"format", kTrajectoryFormat},
-                   {"hand", trajectory.hand},
-                   {"object", trajectory.object},
-                   {"motion", trajectory.motion},
-                   {"joint_names", rows.joint_names},
-                   {"patches", retargeting::patchNames(*trajectory.contacts)},
-                   {"notes", trajectory.solved->notes}};
+  json document = {{"format", kTrajectoryFormat},     {"hand", trajectory.hand},
+                   {"object", trajectory.object},     {"motion", trajectory.motion},
+                   {"joint_names", rows.joint_names}, {"patches", trajectory.patch_names},
+                   {"notes", trajectory.notes}};
   json frames = json::array();
   for (Eigen::Index k = 0; k < rows.qpos.cols(); ++k) {
     const auto at = static_cast<std::size_t>(k);
     json patches = json::array();
-    for (const retargeting::PatchFrameFit& fit : fits.at(static_cast<int>(k))) {
-      patches.push_back({{"patch", fit.patch},
-                         {"presence", fit.presence},
-                         {"mean_mm", fit.mean_mm},
-                         {"normal_deg", fit.normal_deg},
-                         {"reached", fit.reached}});
+    const TrajectoryFrame& frame = trajectory.frames[at];
+    for (const TrajectoryPatch& patch : frame.patches) {
+      patches.push_back({{"patch", patch.patch},
+                         {"presence", patch.presence},
+                         {"mean_mm", patch.mean_mm},
+                         {"normal_deg", patch.normal_deg},
+                         {"reached", patch.reached}});
     }
     const Eigen::VectorXd q = rows.qpos.col(k).segment(7, joints);
     frames.push_back({{"time_s", rows.time_s[at]},
                       {"X_WH", poseJson(rows.qpos.col(k).head(7))},
                       {"X_WO", poseJson(rows.qpos.col(k).tail(7))},
                       {"joints", std::vector<double>(q.data(), q.data() + q.size())},
-                      {"max_depth_m", trajectory.solved->depths[at].object_m},
-                      {"self_depth_m", trajectory.solved->depths[at].self_m},
+                      {"max_depth_m", frame.depths.object_m},
+                      {"self_depth_m", frame.depths.self_m},
                       {"patches", std::move(patches)}});
   }
   document["frames"] = std::move(frames);
@@ -99,23 +70,29 @@ std::string trajectoryCsv(const HandTrajectory& trajectory) {
   text += ",max_depth_m,self_depth_m\n";
   for (Eigen::Index k = 0; k < rows.qpos.cols(); ++k) {
     const auto at = static_cast<std::size_t>(k);
-    fmt::format_to(
-        std::back_inserter(text), "{:.9g},{},{},{},{:.6g},{:.6g}\n", rows.time_s[at],
-        numbersOf(rows.qpos.col(k).segment(7, joints), ","),
-        numbersOf(rows.qpos.col(k).head(7), ","), numbersOf(rows.qpos.col(k).tail(7), ","),
-        trajectory.solved->depths[at].object_m, trajectory.solved->depths[at].self_m);
+    fmt::format_to(std::back_inserter(text), "{:.9g},{},{},{},{:.6g},{:.6g}\n", rows.time_s[at],
+                   numbersOf(rows.qpos.col(k).segment(7, joints), ","),
+                   numbersOf(rows.qpos.col(k).head(7), ","),
+                   numbersOf(rows.qpos.col(k).tail(7), ","),
+                   trajectory.frames[at].depths.object_m, trajectory.frames[at].depths.self_m);
   }
   return text;
 }
 
 std::string trajectoryNpz(const HandTrajectory& trajectory) {
   const TrajectoryRows rows = rowsOf(trajectory);
-  const retargeting::MotionFits fits(*trajectory.contacts, *trajectory.solved);
   ContactRows contacts;
-  contacts.patch_names = retargeting::patchNames(*trajectory.contacts);
+  contacts.patch_names = trajectory.patch_names;
   const std::size_t patches = contacts.patch_names.size();
-  for (int k = 0; k < static_cast<int>(rows.qpos.cols()); ++k) {
-    for (const PatchAt& patch : patchesAt(trajectory, fits, patches, k)) {
+  for (const TrajectoryFrame& frame : trajectory.frames) {
+    std::vector<TrajectoryPatch> row(patches);
+    for (TrajectoryPatch& patch : row)
+      patch.presence = 0.0;
+    for (const TrajectoryPatch& patch : frame.patches) {
+      TrajectoryPatch& most = row.at(static_cast<std::size_t>(patch.patch));
+      if (patch.presence > most.presence) most = patch;
+    }
+    for (const TrajectoryPatch& patch : row) {
       contacts.presence.push_back(patch.presence);
       contacts.p_W_m.insert(contacts.p_W_m.end(), patch.p_W.data(), patch.p_W.data() + 3);
     }

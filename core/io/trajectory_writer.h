@@ -2,13 +2,36 @@
 
 #include <memory>
 #include <string>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "core/geometry/triangle_mesh.h"
-#include "core/manipulation/motion.h"
-#include "core/retargeting/motion_solving.h"
+#include "core/hand/hand_model.h"
+#include "core/hand/kinematics.h"
+#include "core/quality/penetration.h"
 
-/// A hand that follows a motion, for other programs (FORMATS.md).
+/// What a hand did over time, for other programs (FORMATS.md).
 namespace handgraft::io {
+
+/// A patch that is there in a frame, if only in part.
+struct TrajectoryPatch {
+  int patch = 0;  ///< of HandTrajectory::patch_names
+  double presence = 1.0;
+  double mean_mm = 0.0;
+  double normal_deg = 0.0;
+  bool reached = false;
+  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  ///< its middle on the object
+};
+
+struct TrajectoryFrame {
+  double time_s = 0.0;
+  hand::HandPose pose_W;
+  Pose X_WO = Pose::Identity();
+  quality::Depths depths;
+  /// One may be there twice: on its way out, and in again.
+  std::vector<TrajectoryPatch> patches;
+};
 
 struct HandTrajectory {
   std::string hand;  ///< names, for people
@@ -16,8 +39,9 @@ struct HandTrajectory {
   std::string motion;
   std::shared_ptr<const hand::HandModel> model;
   std::shared_ptr<const geometry::TriangleMesh> object_O;
-  std::shared_ptr<const manipulation::Motion> contacts;
-  std::shared_ptr<const retargeting::SolvedMotion> solved;  ///< of that hand and motion
+  std::vector<std::string> patch_names;
+  std::vector<TrajectoryFrame> frames;  ///< one at least, times rise
+  std::vector<std::string> notes;
 };
 
 /// `handgraft-trajectory/1`. Cost of all of these: O(frames).

@@ -160,6 +160,7 @@ std::string contentOf(LiveSession& live,
                       const v1::ExportRequest& request,
                       const Progress& progress,
                       std::vector<std::string>& notes) {
+  if (request.live()) return liveRunExport(live, request.format(), notes);
   if (live.motion() != nullptr) return motionExport(live, request.format());
   switch (request.format()) {
     case v1::EXPORT_JSON:
@@ -199,17 +200,18 @@ std::optional<v1::ExportReply> exportSession(LiveSession& live,
                                              const v1::ExportRequest& request,
                                              HandlerContext& context,
                                              const Progress& progress) {
-  if (isOfPoses(request.format()) && live.motion() == nullptr && live.session().needsSolve()) {
+  if (!request.live() && isOfPoses(request.format()) && live.motion() == nullptr &&
+      live.session().needsSolve()) {
     const SolveEnd end = solveAsItStands(live, context, progress);
     if (end == SolveEnd::kCutShort) return std::nullopt;
     requireDone(end, live);
   }
   v1::ExportReply reply;
   const std::string content = contentOf(live, request, progress, reply.notes());
-  if (live.motion() != nullptr && live.following.follower)
+  if (!request.live() && live.motion() != nullptr && !live.following.run.isEmpty())
     reply.notes().emplace_back(
-        "the motion as it was solved: what the hand did live, after a demonstrator, is in no "
-        "file");
+        "the motion as it was solved; what the hand did live, after a demonstrator, is another "
+        "export (live)");
   reply.content().assign(content.begin(), content.end());
   return reply;
 }

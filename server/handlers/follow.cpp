@@ -64,11 +64,9 @@ hand::HandPose posedFrom(const v1::DemonstratorFrame& message, const hand::HandM
   return pose;
 }
 
-const std::string& nameOf(const Following& following, int part) {
-  const std::vector<std::string>& names = following.tracker
-                                              ? following.tracker->partNames()
-                                              : manipulation::ContactTracker::partNames();
-  return names.at(static_cast<std::size_t>(part));
+const std::vector<std::string>& partNamesOf(const Following& following) {
+  return following.tracker ? following.tracker->partNames()
+                           : manipulation::ContactTracker::partNames();
 }
 
 v1::PatchFit partFitMessage(const retargeting::LiveFollower::PartFit& fit,
@@ -107,7 +105,8 @@ void judge(LiveSession& live,
   const hand::HandModel& model = *live.session().hand().model;
   int reached = 0;
   for (const retargeting::LiveFollower::PartFit& fit : answer.parts) {
-    solution.patches().push_back(partFitMessage(fit, nameOf(live.following, fit.part)));
+    solution.patches().push_back(partFitMessage(
+        fit, partNamesOf(live.following).at(static_cast<std::size_t>(fit.part))));
     reached += fit.reached ? 1 : 0;
   }
   v1::Penetration depths;
@@ -183,6 +182,7 @@ Following& followingOf(LiveSession& live, const std::shared_ptr<const StoredHand
   fresh.client = following.client;
   fresh.sequence_number = following.sequence_number;
   fresh.heard = following.heard;
+  fresh.run = std::move(following.run);
   return following = std::move(fresh);
 }
 
@@ -234,6 +234,9 @@ void followFrame(LiveSession& live,
   try {
     if (const auto answer = answerTo(live, models, frame)) {
       live.recallFrom(0);
+      live.following.run.add(live.session().hand().model, frame.time_s(),
+                             poseFrom(frame.X_WO(), "X_WO"), *answer,
+                             partNamesOf(live.following));
       live.publish(answerOf(live, frame, *answer));
     } else {
       told = said(v1::FOLLOW_WAITS, whyNotBegun(live.following.follower->touches()));

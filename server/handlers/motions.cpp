@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/hand/kinematics.h"
 #include "core/io/session_file.h"
+#include "core/io/solved_trajectory.h"
 #include "core/io/trajectory_writer.h"
 #include "core/retargeting/motion_solving.h"
 #include "core/session/timed_edit.h"
@@ -379,18 +380,9 @@ v1::MotionFrames motionFrames(LiveSession& live, const v1::MotionFramesRequest& 
   return reply;
 }
 
-std::string motionExport(LiveSession& live, v1::ExportFormat format) {
-  const retargeting::SolvedMotion& solved = solvedOf(live);
-  const LiveMotion& motion = *live.motion();
-  const session::Document& document = live.session().document();
-  io::HandTrajectory trajectory;
-  trajectory.hand = document.hand;
-  trajectory.object = document.object;
-  trajectory.motion = motion.name;
-  trajectory.model = solved.problem.model;
-  trajectory.object_O = motion.object_O;
-  trajectory.contacts = motion.motion;
-  trajectory.solved = motion.solved;
+namespace {
+
+std::string written(const io::HandTrajectory& trajectory, v1::ExportFormat format) {
   switch (format) {
     case v1::EXPORT_JSON:
       return io::trajectoryJson(trajectory);
@@ -410,6 +402,32 @@ std::string motionExport(LiveSession& live, v1::ExportFormat format) {
           "ros_trajectory",
           nameOf(format));
   }
+}
+
+}  // namespace
+
+std::string motionExport(LiveSession& live, v1::ExportFormat format) {
+  const LiveMotion& motion = *live.motion();
+  io::HandTrajectory trajectory =
+      io::trajectoryOf(*motion.motion, solvedOf(live), motion.object_O);
+  trajectory.hand = live.session().document().hand;
+  trajectory.object = live.session().document().object;
+  trajectory.motion = motion.name;
+  return written(trajectory, format);
+}
+
+std::string liveRunExport(LiveSession& live,
+                          v1::ExportFormat format,
+                          std::vector<std::string>& notes) {
+  const LiveRun& run = live.following.run;
+  if (run.isEmpty())
+    rejectInput("export: session {} has followed no demonstrator yet", live.id());
+  io::HandTrajectory trajectory = run.trajectory();
+  trajectory.hand = live.session().document().hand;
+  trajectory.object = live.session().document().object;
+  trajectory.object_O = live.session().sharedObject();
+  notes.insert(notes.end(), trajectory.notes.begin(), trajectory.notes.end());
+  return written(trajectory, format);
 }
 
 }  // namespace handgraft::server

@@ -41,4 +41,10 @@ v1::MotionFrames motionFrames(LiveSession& live, const v1::MotionFramesRequest& 
 /// Errors: InvalidInput if there is none, or motions have no such format.
 std::string motionExport(LiveSession& live, v1::ExportFormat format);
 
+/// What its hand did after the last demonstrator, likewise. Adds what the file lacks.
+/// Errors: InvalidInput if it followed none, or motions have no such format.
+std::string liveRunExport(LiveSession& live,
+                          v1::ExportFormat format,
+                          std::vector<std::string>& notes);
+
 }  // namespace handgraft::server

@@ -23,6 +23,7 @@
 #include "idl/sessions.h"
 #include "server/base/session_access.h"
 #include "server/base/strand_pool.h"
+#include "server/sessions/live_run.h"
 #include "server/sessions/published_state.h"
 #include "server/sessions/session_journal.h"
 #include "server/sessions/solve_cycle.h"
@@ -85,6 +86,7 @@ struct Following {
   v1::ClientId client{};
   unsigned long long sequence_number = 0;
   SolveCycle::Clock::time_point heard{};
+  LiveRun run;  ///< of this demonstrator
 };
 
 /// A session as the server runs it: the editable problem, its strand, where it stands between

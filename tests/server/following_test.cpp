@@ -170,6 +170,18 @@ TEST_F(FollowingTest, JointsThatSayNothingAreRefused) {
   EXPECT_EQ(bus.count(bus.solutions), 0u);
 }
 
+TEST_F(FollowingTest, WhatWasNotFollowedIsNoFile) {
+  v1::RequestBody body;
+  v1::ExportRequest ask;
+  ask.session_id(session);
+  ask.format(v1::EXPORT_NPZ);
+  ask.live(true);
+  body.export_file(ask);
+  const v1::Reply refused = bus.ask(body);
+  EXPECT_EQ(refused.error(), v1::ERROR_INVALID_INPUT);
+  EXPECT_THAT(refused.message(), HasSubstr("has followed no demonstrator yet"));
+}
+
 TEST_F(FollowingTest, OneDemonstratorAtATime) {
   bus.send(joints(0.0, {0.1}));
   EXPECT_TRUE(becomes("of the 3 parts that a hand begins with"));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -35,6 +36,11 @@ std::string written(const std::string& name, const std::string& text) {
   const auto path = scratchDirectory() / name;
   std::ofstream(path, std::ios::binary) << text;
   return path.string();
+}
+
+std::string whole(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 std::string begins(const std::filesystem::path& path, std::size_t count) {
@@ -169,11 +175,31 @@ TEST(Motion, ADemonstratorIsImportedAndFollowedLive) {
   const std::string session = std::to_string(solved.at("session_id").get<std::uint64_t>());
   // A server under a sanitizer is some ten times slower; so is its demonstrator then.
   const std::string speed = kIsSanitized ? "0.05" : "1";
-  const json followed = service.ask({"motion", "follow", session, file, "--speed", speed});
+  const std::filesystem::path live = scratchDirectory() / "live.csv";
+  const json followed = service.ask(
+      {"motion", "follow", session, file, "--speed", speed, "--out", live.string()});
   EXPECT_EQ(followed.at("frames"), 60);
   EXPECT_GT(followed.at("answered"), 20);
   EXPECT_LT(followed.at("largest_step"), 2.0);
   EXPECT_EQ(followed.at("message"), "");
+
+  // What it did is kept, and so is how it is solved.
+  const std::string kept = whole(live);
+  const auto rows = std::count(kept.begin(), kept.end(), '\n') - 1;
+  EXPECT_GE(rows, followed.at("answered").get<int>()) << "an answer may be lost on its way";
+  EXPECT_LE(rows, 60);
+  const std::filesystem::path again = scratchDirectory() / "again.csv";
+  const json live_file =
+      service.ask({"motion", "export", session, "--live", "--out", again.string()});
+  EXPECT_EQ(live_file.at("format"), "csv");
+  EXPECT_EQ(whole(again), kept);
+  const json solved_file = service.ask({"motion", "export", session, "--out", again.string()});
+  EXPECT_THAT(solved_file.at("notes").dump(), HasSubstr("another export (live)"));
+  const std::string as_solved = whole(again);
+  EXPECT_EQ(std::count(as_solved.begin(), as_solved.end(), '\n'), 61);
+  const json did = service.ask({"motion", "import", live.string(), "--hand", "human20",
+                                "--object", "box", "--name", "did"});
+  EXPECT_EQ(did.at("frame_count"), rows);
 
   // Of another object it is followed all the same, and both names are told.
   const Finished of_another = service.client(

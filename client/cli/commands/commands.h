@@ -210,6 +210,7 @@ struct MotionFollowOptions {
   std::filesystem::path demonstration;
   double speed = 1.0;
   bool loops = false;
+  std::vector<MotionFile> out;  ///< what the hand did
 };
 
 /// The way of a session's hand as timed samples.
@@ -238,6 +239,7 @@ struct ExportOptions {
   std::string format;
   std::filesystem::path out;
   bool is_of_motion = false;  ///< asked for by `motion export`
+  bool is_live = false;       ///< of what the hand did after a demonstrator
 };
 
 struct SaveOptions {

@@ -26,7 +26,8 @@ int run(const ExportOptions& options, const CommonOptions& common, Interruption&
   if (options.format == kHtml) page = gateway::readWebFiles(gateway::webFolder());
   Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
-  if (options.is_of_motion && server.describeSession(session_id).get().motion().empty()) {
+  if (options.is_of_motion && !options.is_live &&
+      server.describeSession(session_id).get().motion().empty()) {
     rejectInput("session {} holds a grasp, no motion; handgraft export writes it: {}",
                 session_id, fmt::join(exportFormats(), ", "));
   }
@@ -34,7 +35,8 @@ int run(const ExportOptions& options, const CommonOptions& common, Interruption&
   if (options.format == kHtml) {
     writeFile(options.out, gateway::pageFile(server, session_id, page));
   } else {
-    notes = exportSession(server, session_id, options.format, {"--out", options.out});
+    notes = exportSession(server, session_id, options.format, {"--out", options.out},
+                          options.is_live ? Exported::kLive : Exported::kAsSolved);
     for (const std::string& note : beyondOwnLimits(server.settings(session_id).get()))
       notes.push_back(note);
   }

@@ -14,11 +14,13 @@
 #include "client/link/demonstration.h"
 #include "client/link/following.h"
 #include "client/link/session_id.h"
+#include "client/present/export_file.h"
 #include "client/present/failure.h"
 #include "client/present/interactive_client.h"
 #include "client/present/interruption.h"
 #include "client/present/joint_unit.h"
 #include "client/present/json_output.h"
+#include "client/present/output_file.h"
 #include "core/base/error.h"
 #include "core/base/time_note.h"
 
@@ -36,6 +38,10 @@ constexpr int kFailed = 1;
 int run(const MotionFollowOptions& options,
         const CommonOptions& common,
         Interruption& interruption) {
+  std::vector<NamedFile> written;
+  for (const MotionFile& file : options.out)
+    written.push_back({"--out", file.path});
+  requireSafe(written, {{"demonstration", options.demonstration}});
   const Demonstration demonstration = readDemonstration(options.demonstration);
   const std::vector<v1::DemonstratorFrame>& frames = demonstration.frames;
   std::vector<double> times;
@@ -92,6 +98,15 @@ int run(const MotionFollowOptions& options,
   const v1::SessionState state = server.describeSession(session_id).get();
   const std::optional<std::string> refusal = answers.refusal();
   const FollowAnswers::Refusals refusals = answers.refusals();
+  OutputFiles outputs;
+  for (const MotionFile& file : options.out) {
+    if (answers.count() == 0) break;
+    outputs.write([&] {
+      for (const std::string& note : exportSession(server, session_id, file.format,
+                                                   {"--out", file.path}, Exported::kLive))
+        fmt::print(stderr, "handgraft: {}: {}\n", quoted(file.path.string()), note);
+    });
+  }
   const v1::HandDescription hand =
       server.describe(v1::MODEL_HAND, state.hand(), false).get().hand();
   const FollowAnswers::Step step = answers.largestStep();
@@ -132,6 +147,7 @@ int run(const MotionFollowOptions& options,
     else if (!state.message().empty())
       fmt::print("{}\n", state.message());
   }
+  outputs.requireWritten();
   if (refusal && answers.count() == 0) {
     throw CommandFailed(
         {kFailed, fmt::format("session {} refused it after {} of {} frames: {}", session_id,

@@ -355,6 +355,7 @@ void addClock(CLI::App& motion, CommandOptions& chosen) {
 void addFollow(CLI::App& motion, CommandOptions& chosen) {
   const auto parsed = std::make_shared<MotionFollowOptions>();
   const auto file = std::make_shared<std::string>();
+  const auto out = std::make_shared<std::vector<std::string>>();
   CLI::App* command = motion.add_subcommand(
       "follow",
       "Play a recorded human hand to a session, whose hand follows it live, frame by frame");
@@ -368,11 +369,19 @@ void addFollow(CLI::App& motion, CommandOptions& chosen) {
       ->required();
   command->add_option("--speed", parsed->speed, "Times real time; default 1");
   command->add_flag("--loop", parsed->loops, "Again and again");
+  command
+      ->add_option("--out", *out,
+                   "Write what the hand did; the ending says how: .json .csv .glb .npz .xml "
+                   "(MJCF) .yaml (ROS 2); may be given again")
+      ->check(objectionToFile)
+      ->allow_extra_args(false);
   command->fallthrough();
-  command->callback([parsed, file, &chosen] {
+  command->callback([parsed, file, out, &chosen] {
     if (!(parsed->speed >= 0.01 && parsed->speed <= 100.0))
       rejectInput("--speed {}: it must be 0.01 to 100 times real time", parsed->speed);
     parsed->demonstration = *file;
+    for (const std::string& path : *out)
+      parsed->out.push_back(motionFileFrom(path));
     chosen = *parsed;
   });
 }
@@ -381,6 +390,7 @@ void addMotionExport(CLI::App& motion, CommandOptions& chosen) {
   struct Parsed {
     std::uint64_t session_id = 0;
     std::string out;
+    bool is_live = false;
   };
 
   const auto parsed = std::make_shared<Parsed>();
@@ -398,12 +408,16 @@ void addMotionExport(CLI::App& motion, CommandOptions& chosen) {
           "page)")
       ->required()
       ->check(objectionToFile);
+  command->add_flag("--live", parsed->is_live,
+                    "What the hand did last after a demonstrator (motion follow, Python)");
   command->fallthrough();
   command->callback([parsed, &chosen] {
     const bool is_page = std::filesystem::path(parsed->out).extension() == ".html";
+    if (is_page && parsed->is_live)
+      rejectInput("--live: a page shows a motion as it was solved");
     const MotionFile file =
         is_page ? MotionFile{parsed->out, "html"} : motionFileFrom(parsed->out, ", .html");
-    chosen = ExportOptions{parsed->session_id, file.format, file.path, true};
+    chosen = ExportOptions{parsed->session_id, file.format, file.path, true, parsed->is_live};
   });
 }
 

@@ -237,13 +237,14 @@ class Session(Edits):
 
     # === Files
 
-    def export(self, format: str, path: str | os.PathLike[str] | None = None) -> bytes:
+    def export(self, format: str, path: str | os.PathLike[str] | None = None, *, live: bool = False) -> bytes:
         """The last pose for other programs, or the last frames of a motion; written to ``path``, too.
 
         A pose as json, csv, obj, glb, isaac_grasp, problem, npz, mjcf or ros_trajectory; a motion as all of these but
-        obj, isaac_grasp and problem (core/io/FORMATS.md). What the file cannot say is a warning.
+        obj, isaac_grasp and problem (core/io/FORMATS.md). What the file cannot say is a warning. With ``live``: what
+        the hand did last after a demonstrator (``Demonstrator``), in a motion's formats.
         """
-        content, notes = self._session.export({"format": format})
+        content, notes = self._session.export({"format": format, "live": live})
         for note in notes:
             warnings.warn(f"{format}: {note}", stacklevel=2)
         if path is not None:

@@ -171,7 +171,7 @@ def test_contacts_or_a_motion_have_to_be_given(server, pull):
             session.solve_motion()
 
 
-def test_a_demonstrator_is_followed_live(server, followed):
+def test_a_demonstrator_is_followed_live(server, followed, tmp_path):
     """The hand of the motion as a demonstrator: another robot's joints."""
     _, motion = followed
     with server.open("barrett8", motion="pull") as session:
@@ -189,6 +189,10 @@ def test_a_demonstrator_is_followed_live(server, followed):
             assert pose.verdict.startswith(f"{reached} of ") and reached > 0
         assert np.abs(np.diff(steps, axis=0)).max() < 0.5
         assert np.median(depths) < 0.001 and max(depths) < 0.002
+        session.export("npz", tmp_path / "live.npz", live=True)
+        with np.load(tmp_path / "live.npz") as did:
+            np.testing.assert_allclose(did["qpos"][:, 7:-7][:, : len(steps[0])], steps, atol=1e-9)
+            assert did["contact"].max() == 1
         with pytest.raises(ValueError, match="2 of them"):
             demonstrator.send(1.0, np.eye(4), places=np.zeros((21, 3)), mano=np.zeros(51))
         by_name = dict(zip(motion.joint_names, motion.joints[-1]))

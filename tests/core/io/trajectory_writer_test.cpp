@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <yaml-cpp/yaml.h>
 
+#include "core/formats/npz_file.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/io/hand_trajectory_file.h"
 #include "core/io/trajectory_rows.h"
@@ -31,27 +32,18 @@ HandTrajectory turning(int frames) {
   trajectory.model = small.model;
   trajectory.object_O =
       std::make_shared<const geometry::TriangleMesh>(geometry::makeSphere(0.03, 2));
-  auto motion = std::make_shared<manipulation::Motion>();
-  auto solved = std::make_shared<retargeting::SolvedMotion>();
   for (int k = 0; k < frames; ++k) {
     const double share = frames == 1 ? 0.0 : static_cast<double>(k) / (frames - 1);
-    motion->time_s.push_back(2.0 + share);
-    Pose X_WO = Pose::Identity();
-    X_WO.linear() = rotationFromVector({0.0, 0.0, share});
-    X_WO.translation() << 0.1 * share, 0.0, 0.3;
-    motion->X_WO.push_back(X_WO);
-    hand::HandPose pose;
-    pose.X_WH.translation() << 0.0, 0.0, -0.1;
-    pose.q = small.model->restPose();
-    pose.q[0] += 0.25 * share;
-    solved->trajectory.poses.push_back(pose);
-    solved->trajectory.objective.push_back(0.0);
-    solved->depths.push_back({0.0012, 0.0004});
+    TrajectoryFrame frame;
+    frame.time_s = 2.0 + share;
+    frame.X_WO.linear() = rotationFromVector({0.0, 0.0, share});
+    frame.X_WO.translation() << 0.1 * share, 0.0, 0.3;
+    frame.pose_W.X_WH = frame.X_WO * Eigen::Translation3d(0.0, 0.0, -0.1);
+    frame.pose_W.q = small.model->restPose();
+    frame.pose_W.q[0] += 0.25 * share;
+    frame.depths = {0.0012, 0.0004};
+    trajectory.frames.push_back(frame);
   }
-  solved->trajectory.time_s = motion->time_s;
-  solved->problem = manipulation::makeMotionProblem(small.model, motion->time_s);
-  trajectory.contacts = motion;
-  trajectory.solved = solved;
   return trajectory;
 }
 
@@ -87,11 +79,9 @@ TEST(TrajectoryWriter, TextsAreReadBack) {
       const HandTrajectoryFile::Frame& frame = file.frames[static_cast<std::size_t>(k)];
       EXPECT_NEAR(frame.time_s, rows.time_s[static_cast<std::size_t>(k)], 1e-9);
       EXPECT_LT((frame.q - rows.qpos.col(k).segment(7, joints)).norm(), 1e-8);
-      const Pose& X_WO = trajectory.contacts->X_WO[static_cast<std::size_t>(k)];
-      const hand::HandPose& pose_O =
-          trajectory.solved->trajectory.poses[static_cast<std::size_t>(k)];
-      EXPECT_TRUE(frame.X_WO.isApprox(X_WO, 1e-8));
-      EXPECT_TRUE(frame.X_WH.isApprox(X_WO * pose_O.X_WH, 1e-8));
+      const TrajectoryFrame& was = trajectory.frames[static_cast<std::size_t>(k)];
+      EXPECT_TRUE(frame.X_WO.isApprox(was.X_WO, 1e-8));
+      EXPECT_TRUE(frame.X_WH.isApprox(was.pose_W.X_WH, 1e-8));
     }
   }
 }
@@ -116,6 +106,20 @@ TEST(TrajectoryWriter, TextsSayTheSame) {
 
   const std::string mjcf = trajectoryMjcf(trajectory);
   EXPECT_THAT(mjcf, testing::HasSubstr("<key name=\"frame_10\" time=\"1\" qpos=\""));
+}
+
+// On its way out, and in again.
+TEST(TrajectoryWriter, APatchThatIsThereTwiceCountsOnceInRows) {
+  HandTrajectory trajectory = turning(2);
+  trajectory.patch_names = {"thumb", "index"};
+  trajectory.frames[1].patches = {{1, 0.25, 3.0, 10.0, true, {9.0, 9.0, 9.0}},
+                                  {1, 0.75, 1.0, 20.0, true, {1.0, 2.0, 3.0}}};
+  const auto arrays = formats::readNpz(trajectoryNpz(trajectory));
+  EXPECT_THAT(arrays.at("contact").values, testing::ElementsAre(0.0, 0.0, 0.0, 0.75));
+  EXPECT_THAT(arrays.at("contact_pos").values,
+              testing::ElementsAre(0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 2, 3));
+  const json document = json::parse(trajectoryJson(trajectory));
+  EXPECT_EQ(document.at("frames").at(1).at("patches").size(), 2u);
 }
 
 TEST(TrajectoryWriter, GlbMovesEveryPartOverTheWholeTime) {

@@ -1,0 +1,56 @@
+#include "server/sessions/live_run.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+
+namespace handgraft::server {
+
+void LiveRun::add(const std::shared_ptr<const hand::HandModel>& model,
+                  double time_s,
+                  const Pose& X_WO,
+                  const retargeting::LiveFollower::Answer& answer,
+                  const std::vector<std::string>& part_names) {
+  if (model_ != model) *this = LiveRun();
+  model_ = model;
+  io::TrajectoryFrame frame;
+  frame.time_s = time_s;
+  frame.pose_W = answer.pose;
+  frame.X_WO = X_WO;
+  frame.depths = answer.depths;
+  for (const retargeting::LiveFollower::PartFit& fit : answer.parts) {
+    const int patch = patchOf(part_names.at(static_cast<std::size_t>(fit.part)));
+    frame.patches.push_back(
+        {patch, 1.0, fit.distance_mm, fit.facing_deg, fit.reached, fit.on_object_W});
+  }
+  frames_.push_back(std::move(frame));
+  if (frames_.size() <= kMostFrames) return;
+  frames_.pop_front();
+  ++forgotten_;
+}
+
+int LiveRun::patchOf(const std::string& part) {
+  const auto known = std::find(patch_names_.begin(), patch_names_.end(), part);
+  const auto index = static_cast<int>(known - patch_names_.begin());
+  if (known == patch_names_.end()) patch_names_.push_back(part);
+  return index;
+}
+
+io::HandTrajectory LiveRun::trajectory() const {
+  HANDGRAFT_REQUIRE(!frames_.empty());
+  io::HandTrajectory trajectory;
+  trajectory.motion = "a demonstrator";
+  trajectory.model = model_;
+  trajectory.patch_names = patch_names_;
+  trajectory.frames.assign(frames_.begin(), frames_.end());
+  if (forgotten_ > 0)
+    trajectory.notes.push_back(
+        fmt::format("the last {} frames that were followed; {} before them are not kept",
+                    frames_.size(), forgotten_));
+  return trajectory;
+}
+
+}  // namespace handgraft::server
