@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/formats/demonstration_arrays.h"
 #include "core/formats/demonstration_text.h"
+#include "core/hand/mano_joints.h"
 #include "core/io/file_bytes.h"
 #include "core/manipulation/contact_tracker.h"
 

@@ -59,6 +59,7 @@ void requirePoses(const Motion& motion) {
 
 void requireDemonstrator(const Motion& motion) {
   int before = -1;
+  std::size_t parts = 0;
   for (const DemonstratorKey& key : motion.demonstrator) {
     if (key.frame <= before || key.frame >= motion.frameCount()) {
       rejectInput("demonstrator: key at frame {}; permitted are {} to {}", key.frame,
@@ -69,6 +70,7 @@ void requireDemonstrator(const Motion& motion) {
     if (key.posture.size() > contact::kMostParts)
       rejectInput("demonstrator, frame {}: a posture of {} parts; permitted are {}", key.frame,
                   key.posture.size(), contact::kMostParts);
+    parts += key.posture.size();
     for (const contact::PartDirection& part : key.posture) {
       const bool has_palmar = !part.palmar_O.isZero();
       if (!isUnit(part.outward_O) || (has_palmar && !isUnit(part.palmar_O)))
@@ -76,6 +78,9 @@ void requireDemonstrator(const Motion& motion) {
                     key.frame, quoted(part.part));
     }
   }
+  if (parts > kMostMotionParts)
+    rejectInput("demonstrator: postures of {} parts in all; permitted are {}", parts,
+                kMostMotionParts);
 }
 
 void requirePlaces(const geometry::TriangleMesh& object_O, const PatchKey& key) {

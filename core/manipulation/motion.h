@@ -97,6 +97,7 @@ bool isDemonstratorDue(const Motion& motion, int frame);
 inline constexpr int kMostFrames = 1'000'000;
 inline constexpr std::size_t kMostKeys = 4'000'000;
 inline constexpr std::size_t kMostMotionPoints = 20'000'000;
+inline constexpr std::size_t kMostMotionParts = 4'000'000;  ///< of all postures
 
 /// Everything a motion promises: frames, times that rise and are finite, proper poses, tracks
 /// within the frames, keys that rise, patches on the mesh, directions of unit length.

@@ -12,6 +12,7 @@
 #include "core/base/error.h"
 #include "core/demonstration/posed_hand_tracker.h"
 #include "core/hand/kinematics.h"
+#include "core/hand/mano_joints.h"
 #include "server/messages/convert.h"
 
 namespace handgraft::server {

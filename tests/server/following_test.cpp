@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/hand/demonstrated_joints.h"
+#include "core/hand/mano_joints.h"
 #include "server/admission/service.h"
 
 #include "tests/server/recording_bus.h"

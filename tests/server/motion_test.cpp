@@ -216,7 +216,7 @@ TEST_F(MotionTest, IsExportedAsEachFormat) {
 }
 
 // A file of a session that somebody was followed in is not what the hand did then.
-TEST_F(MotionTest, AnExportSaysThatItIsNotWhatWasDoneLive) {
+TEST_F(MotionTest, WhatADemonstratorDidNotBeginIsNoFile) {
   const std::uint64_t session = open();
   ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
   EXPECT_TRUE(
@@ -236,8 +236,11 @@ TEST_F(MotionTest, AnExportSaysThatItIsNotWhatWasDoneLive) {
   ASSERT_TRUE(bus.await<v1::SessionState>(bus.states, [&](const v1::SessionState& state) {
     return state.session_id() == session && state.following().verdict() == v1::FOLLOW_WAITS;
   }));
-  EXPECT_THAT(bus.ask(exportAs(session, v1::EXPORT_CSV)).body().exported_file().notes(),
-              testing::ElementsAre(HasSubstr("live")));
+  EXPECT_TRUE(
+      bus.ask(exportAs(session, v1::EXPORT_CSV)).body().exported_file().notes().empty());
+  v1::RequestBody live = exportAs(session, v1::EXPORT_CSV);
+  live.export_file().live(true);
+  EXPECT_THAT(bus.ask(live).message(), HasSubstr("has followed no demonstrator yet"));
 }
 
 TEST_F(MotionTest, NamesWhatIsWrong) {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "core/hand/mano_joints.h"
 
 namespace handgraft::manipulation {
 namespace {

@@ -11,6 +11,7 @@
 #include "core/base/pose.h"
 #include "core/demonstration/posed_hand_tracker.h"
 #include "core/geometry/surface_locator.h"
+#include "core/hand/mano_joints.h"
 #include "core/session/session.h"
 
 #include "tests/core/session/ball_grasp.h"
