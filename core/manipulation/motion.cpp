@@ -258,7 +258,7 @@ void nameByParts(Motion& motion) {
   }
 }
 
-std::vector<std::string> remarksOn(const Motion& motion) {
+std::vector<std::string> remarksOn(const Motion& motion, bool is_causal) {
   std::vector<std::string> remarks;
   if (std::string note = timeUnitNote(motion.time_s); !note.empty())
     remarks.push_back(std::move(note));
@@ -284,9 +284,8 @@ std::vector<std::string> remarksOn(const Motion& motion) {
   if (bare > 0) {
     remarks.push_back(fmt::format(
         "{} of {} frames have no contact; the hand {}", bare, touched.size(),
-        motion.demonstrator.empty()
-            ? "follows the object"
-            : "goes as the demonstrator's does, or, frame by frame, follows the object"));
+        is_causal || motion.demonstrator.empty() ? "follows the object"
+                                                 : "goes as the demonstrator's does"));
   }
   return remarks;
 }

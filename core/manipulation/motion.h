@@ -113,7 +113,8 @@ void nameByParts(Motion& motion);
 /// What a user should know of it though nothing is wrong: an object that jumps from one frame
 /// to the next (more than kJumpWay or kJumpTurn), gaps in time, times that seem to be
 /// milliseconds, frames without any contact.
-std::vector<std::string> remarksOn(const Motion& motion);
+/// `is_causal`: it is solved frame by frame, and nobody is followed where nothing touches.
+std::vector<std::string> remarksOn(const Motion& motion, bool is_causal = false);
 
 inline constexpr double kJumpWay = 0.1;   // m
 inline constexpr double kJumpTurn = 0.5;  // rad

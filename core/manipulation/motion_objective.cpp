@@ -128,7 +128,7 @@ MotionObjective::MotionObjective(const MotionProblem& problem,
   };
   std::shared_ptr<const optimize::PoseProblem> plain;
   for (std::size_t k = 0; k < count; ++k) {
-    if (problem.own.count(static_cast<int>(first + k)) != 0) {
+    if (!problem.turns.empty() || problem.own.count(static_cast<int>(first + k)) != 0) {
       bare_[k] = bare_at(k);
     } else {
       if (!plain) plain = bare_at(k);

@@ -183,6 +183,7 @@ void validate(const MotionProblem& problem) {
   HANDGRAFT_REQUIRE(problem.model != nullptr);
   requireRisingTimes(problem.time_s);
   requireJointLimits(problem);
+  HANDGRAFT_REQUIRE(problem.turns.empty() || problem.turns.size() == problem.time_s.size());
   for (const auto& [frame, own] : problem.own)
     requireOwnOfFrame(problem, frame, own);
   for (std::size_t t = 0; t < problem.tracks.size(); ++t)
@@ -249,6 +250,11 @@ optimize::PoseProblem FrameProblems::at(int frame, const hand::HandPose& start) 
   single.upper = problem_.upperAt(frame);
   single.prior_weights = Eigen::VectorXd::Ones(single.dofCount());
   single.prior_weights.head<6>().setZero();
+  if (!problem_.turns.empty() && problem_.weights.prior > 0.0) {
+    const FrameTurn& turn = problem_.turns[static_cast<std::size_t>(frame)];
+    single.prior.X_WH.linear() = turn.R_OH;
+    single.prior_weights.head<3>().setConstant(turn.weight / problem_.weights.prior);
+  }
   single.avoidance = problem_.avoidance;
   const auto found = problem_.own.find(frame);
   const FrameOwn* own = found == problem_.own.end() ? nullptr : &found->second;

@@ -39,6 +39,12 @@ struct FrameOwn {
   std::vector<double> soft_weights;        ///< beside the prior's; empty: none is held softly
 };
 
+/// How the hand prefers to be turned.
+struct FrameTurn {
+  Eigen::Matrix3d R_OH = Eigen::Matrix3d::Identity();
+  double weight = 0.0;  ///< 1/rad^2, of what differs from that
+};
+
 /// A motion laid onto a hand: all that solving needs.
 ///
 /// Poses are those of the hand in the object's frame, X_OH: contacts stand still there while
@@ -56,6 +62,8 @@ struct MotionProblem {
   Eigen::VectorXd velocity_limit;  ///< rad/s, m/s of each joint; infinite where there is none
   Eigen::VectorXd acceleration_limit;  ///< likewise
   std::map<int, FrameOwn> own;         ///< by frame
+  /// How the hand is turned where contacts leave that open, of each frame; empty: anyhow.
+  std::vector<FrameTurn> turns;
   /// Solids of hand and object; missing: penetration costs nothing.
   std::shared_ptr<const optimize::Avoidance> avoidance;
 
@@ -98,7 +106,7 @@ class FrameProblems {
   }
 
   /// Eq. 2 of one frame in O: limits and prior of the motion, the pairs that are there, weighed
-  /// by their presence. The root has no prior. Cost: O(pairs).
+  /// by their presence. The root has no prior but for how it is turned. Cost: O(pairs).
   [[nodiscard]] optimize::PoseProblem at(int frame, const hand::HandPose& start) const;
 
  private:

@@ -285,6 +285,7 @@ EditedMotion::Base EditedMotion::solveBase(const Work& work, bool goes_on) {
   solved.solving = work.solving;
   solved.problem = motionProblemOf(document, work.hand, motion_->time_s, work.solving);
   std::vector<hand::HandPose> start;
+  if (!work.solving.causal) turnAlike(work.hand, *motion_, solved.problem);
   std::shared_ptr<const Laid> as_laid = laid(work, !goes_on, start);
   solved.problem.tracks = weighed(document, grasp_, as_laid->motion, as_laid->laid);
   solved.track_of = as_laid->laid.track_of;
@@ -318,7 +319,8 @@ EditedMotion::Base EditedMotion::solveBase(const Work& work, bool goes_on) {
       solveAgain(solved.problem, options, 0, count, work.progress, solved.trajectory);
   }
   for (const std::vector<std::string>& notes :
-       {remarksOn(*motion_), document.notes, as_laid->laid.notes, solved.trajectory.notes}) {
+       {remarksOn(*motion_, work.solving.causal), document.notes, as_laid->laid.notes,
+        solved.trajectory.notes}) {
     for (const std::string& note : notes)
       if (std::find(solved.notes.begin(), solved.notes.end(), note) == solved.notes.end())
         solved.notes.push_back(note);

@@ -232,7 +232,9 @@ std::optional<hand::HandPose> LiveFollower::leaveFor(
   const bool touches = std::any_of(parts_.begin(), parts_.end(), [](const TouchingPart& part) {
     return part.presence > 0.0;
   });
-  if (touches) along_.emplace(X_OD, posture, *last_O_);
+  // Who lets go has opened the hand already where the last part leaves.
+  most_seen_ = touches ? std::max(most_seen_, seen_.size()) : 0;
+  if (touches && 2 * seen_.size() >= most_seen_) along_.emplace(X_OD, posture, *last_O_);
   if (touches || !along_) return std::nullopt;
   return along_->goal(hand_, X_OD, posture, problem_.lower, problem_.upper);
 }

@@ -197,6 +197,7 @@ class LiveFollower {
   LiveBeginning beginning_;
   LiveSearches searches_;
   std::optional<GoingAlong> along_;
+  std::size_t most_seen_ = 0;   ///< touches, since something touches
   std::optional<LiveWay> way_;  // to a better pose that was found far from the hand
 };
 

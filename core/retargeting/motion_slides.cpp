@@ -11,6 +11,7 @@
 #include "core/retargeting/motion_layer.h"
 #include "core/retargeting/motion_places.h"
 #include "core/retargeting/motion_times.h"
+#include "core/retargeting/motion_unheld.h"
 
 namespace handgraft::retargeting {
 
@@ -67,6 +68,7 @@ class Sliding {
       problem_.avoidance = placement::avoidanceOf(scene.hand.model, scene.hand.skin,
                                                   scene.object_O, Pose::Identity(), progress);
     }
+    turnAlike(scene.hand, thin.motion, problem_);
     charts_.uses_drafts = true;
     lay();
     holdThroughout(scene.document, options_.fade, problem_);

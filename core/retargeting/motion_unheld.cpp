@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/contact/contact_set.h"
 #include "core/manipulation/trajectory.h"
 #include "core/placement/posture_finding.h"
 #include "core/quality/penetration.h"
@@ -20,10 +21,14 @@ using manipulation::Motion;
 using manipulation::MotionProblem;
 
 // So firm that what smoothness takes off lies above 2 Hz: a hand does little there.
-constexpr double kJointWeight = 10.0;  // 1/rad^2
-constexpr double kGoalWeight = 1.0;    // of a point of the goal, as a contact's
-constexpr double kGoalReach = 0.1;     // m; of those points from the hand's base
-constexpr double kDeepGoal = 0.002;    // m; poses to set out from lie out of the object
+constexpr double kJointWeight = 10.0;    // 1/rad^2
+constexpr double kGoalWeight = 1.0;      // of a point of the goal, as a contact's
+constexpr double kBesideContacts = 0.1;  // of that, where something touches already
+constexpr double kGoalReach = 0.1;       // m; of those points from the hand's base
+constexpr double kEnough = 3.0;       // patches hold a hand, or half as many as ever are there
+constexpr double kForgets = 0.5;      // s; after which fingers stand as they are shown
+constexpr double kTurnWeight = 0.01;  // 1/rad^2, of the hand; 1 mm of a point is 0.01
+constexpr double kDeepGoal = 0.002;   // m; poses to set out from lie out of the object
 
 /// A frame that holds something, before or behind another one.
 struct Nearest {
@@ -59,7 +64,9 @@ std::vector<std::vector<int>> dofsMoving(const hand::HandModel& model) {
 
 /// How much of each frame something holds the hand, and each of its joints; in [0, 1].
 struct Holds {
+  /// All of it where enough patches are there: what grazes holds no hand.
   std::vector<double> hand;
+  std::vector<double> touches;              ///< whether anything is there
   std::vector<std::vector<double>> joints;  ///< of each joint, of each frame
 };
 
@@ -67,7 +74,7 @@ Holds holdsOf(const MotionProblem& problem, const manipulation::Fade& fade) {
   const auto count = problem.time_s.size();
   const auto dof_count = static_cast<std::size_t>(problem.model->dofCount());
   const std::vector<std::vector<int>> dofs = dofsMoving(*problem.model);
-  Holds holds{std::vector<double>(count, 0.0),
+  Holds holds{std::vector<double>(count, 0.0), std::vector<double>(count, 0.0),
               std::vector<std::vector<double>>(dof_count, std::vector<double>(count, 0.0))};
   const FrameProblems frames(problem, fade);
   std::vector<char> counts;              // of each track: it is not switched off
@@ -89,13 +96,18 @@ Holds holdsOf(const MotionProblem& problem, const manipulation::Fade& fade) {
   for (std::size_t k = 0; k < count; ++k) {
     for (const FrameProblems::Present& present : frames.presentAt(static_cast<int>(k))) {
       if (counts[static_cast<std::size_t>(present.track)] == 0) continue;
-      holds.hand[k] = std::max(holds.hand[k], present.presence);
+      holds.hand[k] += present.presence;
+      holds.touches[k] = std::max(holds.touches[k], present.presence);
       for (const int dof : needed[static_cast<std::size_t>(present.track)]) {
         double& share = holds.joints[static_cast<std::size_t>(dof)][k];
         share = std::max(share, present.presence);
       }
     }
   }
+  const double most = *std::max_element(holds.hand.begin(), holds.hand.end());
+  const double enough = std::min(kEnough, 0.5 * most);
+  for (double& share : holds.hand)
+    share = most > 0.0 ? std::min(1.0, share / enough) : 0.0;
   return holds;
 }
 
@@ -156,6 +168,8 @@ class Unheld {
                            : manipulation::poseBetween(along(of.before), along(of.behind),
                                                        shareAt(frame, of)))
               .X_WH;
+      const double weight =
+          kGoalWeight * share * (1.0 - (1.0 - kBesideContacts) * holds_.touches[k]);
       for (const Eigen::Vector3d& p_H :
            {Eigen::Vector3d(Eigen::Vector3d::Zero()), Eigen::Vector3d(kGoalReach, 0.0, 0.0),
             Eigen::Vector3d(0.0, kGoalReach, 0.0), Eigen::Vector3d(0.0, 0.0, kGoalReach)}) {
@@ -163,7 +177,7 @@ class Unheld {
         pair.p_L = p_H;
         pair.p_W = roots_[k] * p_H;
         pair.has_normals = false;
-        pair.weight = share * kGoalWeight;
+        pair.weight = weight;
         problem_.own[frame].pairs.push_back(pair);
       }
     }
@@ -206,8 +220,12 @@ class Unheld {
         if (held[k] >= 1.0) continue;
         const auto frame = static_cast<int>(k);
         const double looks = looksAt(frame, joint);
+        // What holds the object looks otherwise on this hand: by so much less, the longer ago.
         const auto along = [&](int from) {
-          return poses_[static_cast<std::size_t>(from)].q[joint] + looks - looksAt(from, joint);
+          const double differs =
+              poses_[static_cast<std::size_t>(from)].q[joint] - looksAt(from, joint);
+          const double t = std::min(1.0, std::abs(timeOf(frame) - timeOf(from)) / kForgets);
+          return looks + (1.0 - t * t * (3.0 - 2.0 * t)) * differs;
         };
         const Nearest& of = nearest[k];
         const double goal =
@@ -277,6 +295,26 @@ class Unheld {
 };
 
 }  // namespace
+
+void turnAlike(const hand::Hand& hand, const Motion& motion, MotionProblem& problem) {
+  if (motion.demonstrator.empty() || !(problem.weights.prior > 0.0)) return;
+  // Of the fullest frame, whose grasp is like the demonstrator's if any is.
+  std::vector<int> counts(motion.time_s.size(), 0);
+  for (const manipulation::PatchTrack& track : motion.tracks)
+    for (int k = track.begin(); k < track.end; ++k)
+      ++counts[static_cast<std::size_t>(k)];
+  const auto fullest =
+      static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+  const DemonstratorKey then = demonstratorAt(motion, fullest);
+  contact::ContactSet shown;
+  shown.posture = then.posture;
+  const placement::Posture posture = placement::postureFor(hand, shown);
+  if (!posture.R_OH) return;
+  const Eigen::Matrix3d R_DH = then.X_OD.linear().transpose() * *posture.R_OH;
+  problem.turns.clear();
+  for (int k = 0; k < motion.frameCount(); ++k)
+    problem.turns.push_back({demonstratorAt(motion, k).X_OD.linear() * R_DH, kTurnWeight});
+}
 
 bool layUnheld(const hand::Hand& hand,
                const Motion& motion,

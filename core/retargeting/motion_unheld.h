@@ -10,12 +10,19 @@
 
 namespace handgraft::retargeting {
 
+/// Has the problem prefer, weakly, poses that are turned as the demonstrator's hand is: single
+/// contacts leave that open. Cost: that of placement::postureFor, and O(frames).
+void turnAlike(const hand::Hand& hand,
+               const manipulation::Motion& motion,
+               manipulation::MotionProblem& problem);
+
 /// What no contact holds goes as the demonstrator's hand does, where the motion knows it.
 ///
-/// Joints that move no patch which is there: as the demonstrator's posture changes from when
-/// they last held one, and towards when they hold the next one; those that never hold one stand
-/// as that posture looks on this hand. While nothing touches, the hand goes over the object as
-/// the demonstrator's does, likewise. Joints held softly (FrameOwn) stay so.
+/// Joints that move no patch which is there stand as the demonstrator's posture looks on this
+/// hand, by as much otherwise as they did when they last held one, or will, the less the longer
+/// ago. While nothing holds the hand, it goes over the object as the demonstrator's does, from
+/// where it was held and to where it will be; what touches with less than three patches, or
+/// half of all that ever do, holds no hand. Joints held softly (FrameOwn) stay so.
 ///
 /// Lays that into the problem's frames, and moves `poses_O`, one a frame, good where something
 /// holds, there. Returns whether the motion has anything to lay. Deterministic. Cost: some 0.2

@@ -80,7 +80,7 @@ class Loading {
       ReadRequest how = reading_;
       how.files.clear();
       how.contacts.object.reset();
-      ModelRecipe of{kReadForm, pack(how), std::move(read_bytes_)};
+      ModelRecipe of{readForm(), pack(how), std::move(read_bytes_)};
       if (object != nullptr) {
         of.base_row = object->origin.row;
         of.base_name = object->name;

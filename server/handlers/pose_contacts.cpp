@@ -142,7 +142,7 @@ v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
     how.kind = ReadKind::kContacts;
     how.name = contacts.name;
     return ModelRecipe{
-        kReadForm, pack(how),
+        readForm(), pack(how),
         pack(ReadModel(ReadContacts{contacts.set, *contacts.map, contacts.threshold})),
         object->origin.row, object->name};
   };

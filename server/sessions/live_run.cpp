@@ -46,6 +46,8 @@ io::HandTrajectory LiveRun::trajectory() const {
   trajectory.model = model_;
   trajectory.patch_names = patch_names_;
   trajectory.frames.assign(frames_.begin(), frames_.end());
+  trajectory.notes.push_back(fmt::format(
+      "times count from {:.6g} s of the demonstrator's clock on", frames_.front().time_s));
   if (forgotten_ > 0)
     trajectory.notes.push_back(
         fmt::format("the last {} frames that were followed; {} before them are not kept",

@@ -53,7 +53,7 @@ TEST(LiveRun, HasWhatWasAnsweredAndWhatTouched) {
   EXPECT_EQ(kept.frames[1].patches[0].patch, 1);
   EXPECT_TRUE(kept.frames[1].patches[0].reached);
   EXPECT_EQ(kept.frames[1].patches[1].p_W, Eigen::Vector3d(0.2, 0.0, 2.0));
-  EXPECT_TRUE(kept.notes.empty());
+  EXPECT_THAT(kept.notes, ElementsAre(HasSubstr("count from 2 s of the demonstrator's")));
 }
 
 TEST(LiveRun, ForgetsWhatIsOldestAndSaysSo) {
@@ -65,7 +65,8 @@ TEST(LiveRun, ForgetsWhatIsOldestAndSaysSo) {
   const io::HandTrajectory kept = run.trajectory();
   EXPECT_EQ(kept.frames.size(), LiveRun::kMostFrames);
   EXPECT_NEAR(kept.frames.front().time_s, 0.03, 1e-12);
-  EXPECT_THAT(kept.notes, ElementsAre(HasSubstr("3 before them are not kept")));
+  EXPECT_THAT(kept.notes, ElementsAre(HasSubstr("count from 0.03 s"),
+                                      HasSubstr("3 before them are not kept")));
 }
 
 TEST(LiveRun, OfAnotherHandBeginsAnew) {
