@@ -462,6 +462,24 @@ TEST_F(LiveFollowing, GoesAwayAsTheDemonstratorDoes) {
   EXPECT_LT((root_O(0.0) - held).norm(), 0.02);
 }
 
+// Who lets go opens the hand before the last part leaves: it is not left as it held.
+TEST_F(LiveFollowing, OpensAsTheDemonstratorDoes) {
+  const auto live = follower();
+  std::optional<LiveFollower::Answer> answer;
+  int k = 0;
+  for (; k < 60; ++k)
+    answer = live->follow(grip(k / 60.0, std::min(0.9, 0.03 * k)), Progress());
+  ASSERT_TRUE(answer.has_value());
+  const Eigen::VectorXd held = answer->pose.q;
+  for (int i = 0; i < 120; ++i, ++k)
+    answer = live->follow(
+        grip(k / 60.0, std::max(0.1, 0.9 - 0.03 * i), 0.1 * std::min(1.0, i / 40.0)),
+        Progress());
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_EQ(answer->touches, 0);
+  EXPECT_GT((answer->pose.q - held).cwiseAbs().maxCoeff(), 0.4);
+}
+
 // As long as it is not known how the other hand moves.
 TEST_F(LiveFollowing, StaysOverTheObjectWhereOnlyTouchesAreTold) {
   const auto live = follower();

@@ -1,5 +1,7 @@
 // What no contact holds goes as the demonstrator's hand does. The hand that demonstrates is the
 // one that follows: where it goes is known.
+#include "core/retargeting/motion_unheld.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -132,6 +134,46 @@ TEST_F(ReachingForABall, AFingerThatTouchesNothingYetIsHeldAsItIsShown) {
   for (const int joint : of_middle)
     EXPECT_NEAR(open.q[joint], shown_at(kTouches).q[joint], 0.12) << joint;
   EXPECT_TRUE(MotionFits(motion_, answer).at(kTouches)[0].reached);
+}
+
+// A finger that brushes the object on the way leaves the hand where it is shown.
+TEST_F(ReachingForABall, WhatGrazesHoldsNoHand) {
+  manipulation::PatchTrack graze = motion_.tracks[0];
+  graze.keys[0].frame = 20;
+  graze.end = 28;
+  motion_.tracks.insert(motion_.tracks.begin(), graze);
+  const SolvedMotion answer = solved();
+  for (const int k : {0, 10, 40, 50}) {
+    const hand::HandPose& is = answer.trajectory.poses[static_cast<std::size_t>(k)];
+    const hand::HandPose was = shownAt(k);
+    EXPECT_LT((is.X_WH.translation() - was.X_WH.translation()).norm(), 0.015) << k;
+    EXPECT_LT(vectorFromRotation(is.X_WH.linear() * was.X_WH.linear().transpose()).norm(), 0.2)
+        << k;
+  }
+}
+
+// What a single touch leaves open is decided by that.
+TEST_F(ReachingForABall, PrefersToBeTurnedAsItIsShown) {
+  const hand::Hand hand = grasp_.hand();
+  manipulation::MotionProblem problem =
+      motionProblemOf(session_.document(), hand, motion_.time_s, motionSolving(false));
+  turnAlike(hand, motion_, problem);
+  ASSERT_EQ(problem.turns.size(), motion_.time_s.size());
+  const manipulation::FrameProblems frames(problem, {});
+  hand::HandPose rest;
+  rest.q = problem.prior;
+  for (int k = 0; k < kFrames; k += 30) {
+    const optimize::PoseProblem single = frames.at(k, rest);
+    EXPECT_GT(single.prior_weights[0] * single.weights.prior, 0.0);
+    EXPECT_EQ(single.prior_weights[3], 0.0) << "not where it is";
+    const Eigen::Matrix3d off =
+        single.prior.X_WH.linear() * shownAt(k).X_WH.linear().transpose();
+    EXPECT_LT(vectorFromRotation(off).norm(), 0.1) << k;
+  }
+  motion_.demonstrator.clear();
+  problem.turns.clear();
+  turnAlike(hand, motion_, problem);
+  EXPECT_TRUE(problem.turns.empty());
 }
 
 TEST_F(ReachingForABall, IsTheSameOnTwoThreads) {
