@@ -28,8 +28,10 @@ bool holds(const fs::path& path, const std::string& text) {
   return text.empty() || readFile(path) == text;
 }
 
-/// Equally far apart, from the first frame that touches to about the last one.
+/// Equally far apart, from shortly before the first frame that touches, as the hand comes, to
+/// about as long after the last one.
 std::vector<v1::MotionFrame> shownFrames(Client& server, const MotionResult& result) {
+  constexpr double kShortly = 0.5;  // s
   std::uint32_t first = 0;
   auto last = static_cast<std::uint32_t>(result.frames.size()) - 1;
   const auto touches = [](const v1::MotionFrame& frame) {
@@ -37,8 +39,15 @@ std::vector<v1::MotionFrame> shownFrames(Client& server, const MotionResult& res
   };
   const auto begin = std::find_if(result.frames.begin(), result.frames.end(), touches);
   if (begin != result.frames.end()) {
-    first = begin->index();
-    last = std::find_if(result.frames.rbegin(), result.frames.rend(), touches)->index();
+    const double from_s = begin->time_s() - kShortly;
+    const double to_s =
+        std::find_if(result.frames.rbegin(), result.frames.rend(), touches)->time_s() +
+        kShortly;
+    const auto is_shown = [&](const v1::MotionFrame& frame) {
+      return frame.time_s() >= from_s && frame.time_s() <= to_s;
+    };
+    first = std::find_if(result.frames.begin(), result.frames.end(), is_shown)->index();
+    last = std::find_if(result.frames.rbegin(), result.frames.rend(), is_shown)->index();
   }
   v1::MotionFramesRequest request;
   request.session_id(result.session.session_id());

@@ -105,6 +105,7 @@ int run(const MotionFollowOptions& options,
       for (const std::string& note : exportSession(server, session_id, file.format,
                                                    {"--out", file.path}, Exported::kLive))
         fmt::print(stderr, "handgraft: {}: {}\n", quoted(file.path.string()), note);
+      if (!common.json) fmt::print("wrote {}\n", quoted(file.path.string()));
     });
   }
   const v1::HandDescription hand =
