@@ -20,8 +20,8 @@ using manipulation::FrameProblems;
 using manipulation::Motion;
 using manipulation::MotionProblem;
 
-// So firm that what smoothness takes off lies above 2 Hz: a hand does little there.
-constexpr double kJointWeight = 10.0;    // 1/rad^2
+// So firm that what smoothness takes off lies above 1 or 2 Hz: a hand does little there.
+constexpr double kJointWeight = 10.0;    // 1/rad^2; of sliders more (kSliderScale)
 constexpr double kGoalWeight = 1.0;      // of a point of the goal, as a contact's
 constexpr double kBesideContacts = 0.1;  // of that, where something touches already
 constexpr double kGoalReach = 0.1;       // m; of those points from the hand's base
@@ -248,7 +248,11 @@ class Unheld {
     own.soft_values.resize(dofs, 0.0);
     if (own.soft_weights[joint] > 0.0) return;
     own.soft_values[joint] = value;
-    own.soft_weights[joint] = share * kJointWeight / problem_.weights.prior;
+    const bool slides =
+        problem_.model->dofJoint(static_cast<int>(joint)).type == hand::JointType::kPrismatic;
+    own.soft_weights[joint] = share * kJointWeight *
+                              (slides ? manipulation::kSliderScale : 1.0) /
+                              problem_.weights.prior;
   }
 
   [[nodiscard]] bool isOut(const hand::HandPose& pose) const {
