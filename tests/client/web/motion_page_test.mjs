@@ -149,8 +149,10 @@ const tests = {
       const eye = () => alone.evaluate(() => globalThis.handgraft.stage.camera.position.toArray());
       const before = await eye();
       await dragBy(alone, { x: 300, y: 200 }, 90, 20);
-      await sleep(300);
-      assert.ok(distance(before, await eye()) > 0.01, 'the view turns');
+      await alone.waitForFunction((was) => {
+        const is = globalThis.handgraft.stage.camera.position.toArray();
+        return Math.hypot(...is.map((each, i) => each - was[i])) > 0.01;
+      }, kWaiting, before); // the view turns
       assert.deepEqual(wanted, []);
       await picture(alone, 'motion_file');
       await alone.close();

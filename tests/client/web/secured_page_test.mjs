@@ -53,6 +53,7 @@ const tests = {
     await edits.bringToFront();
     await dragBy(edits, await dotOf(edits, 'thumb', 'hand'), 14, 10);
     await waitRevision(edits, 1);
+    await rest(edits); // a drag is several edits
     const { revision } = await factsOf(edits);
     await page.waitForFunction((at) => globalThis.handgraft.session.solution.revision === at, kWaiting, revision);
     assert.deepEqual((await factsOf(page)).links, (await factsOf(edits)).links);
