@@ -139,6 +139,16 @@ v1::PoseSolution answerOf(LiveSession& live,
   return solution;
 }
 
+/// The hand that follows, and the object.
+io::HandTrajectory followedBy(LiveSession& live) {
+  io::HandTrajectory of;
+  of.hand = live.session().document().hand;
+  of.object = live.session().document().object;
+  of.model = live.session().hand().model;
+  of.object_O = live.session().sharedObject();
+  return of;
+}
+
 /// Whose frames they are, not what is in them, is why they are refused.
 class AnotherIsFollowed : public InvalidInput {
   using InvalidInput::InvalidInput;
@@ -235,9 +245,8 @@ void followFrame(LiveSession& live,
   try {
     if (const auto answer = answerTo(live, models, frame)) {
       live.recallFrom(0);
-      live.following.run.add(live.session().hand().model, frame.time_s(),
-                             poseFrom(frame.X_WO(), "X_WO"), *answer,
-                             partNamesOf(live.following));
+      live.following.run.add(followedBy(live), frame.time_s(), poseFrom(frame.X_WO(), "X_WO"),
+                             *answer, partNamesOf(live.following));
       live.publish(answerOf(live, frame, *answer));
     } else {
       told = said(v1::FOLLOW_WAITS, whyNotBegun(live.following.follower->touches()));

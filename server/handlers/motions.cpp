@@ -422,10 +422,7 @@ std::string liveRunExport(LiveSession& live,
   const LiveRun& run = live.following.run;
   if (run.isEmpty())
     rejectInput("export: session {} has followed no demonstrator yet", live.id());
-  io::HandTrajectory trajectory = run.trajectory();
-  trajectory.hand = live.session().document().hand;
-  trajectory.object = live.session().document().object;
-  trajectory.object_O = live.session().sharedObject();
+  const io::HandTrajectory trajectory = run.trajectory();
   notes.insert(notes.end(), trajectory.notes.begin(), trajectory.notes.end());
   return written(trajectory, format);
 }

@@ -9,13 +9,17 @@
 
 namespace handgraft::server {
 
-void LiveRun::add(const std::shared_ptr<const hand::HandModel>& model,
+void LiveRun::add(const io::HandTrajectory& of,
                   double time_s,
                   const Pose& X_WO,
                   const retargeting::LiveFollower::Answer& answer,
                   const std::vector<std::string>& part_names) {
-  if (model_ != model) *this = LiveRun();
-  model_ = model;
+  const bool goes_on = of_.model == of.model && of_.object_O == of.object_O &&
+                       !frames_.empty() && time_s > frames_.back().time_s;
+  if (!goes_on) {
+    *this = LiveRun();
+    of_ = of;
+  }
   io::TrajectoryFrame frame;
   frame.time_s = time_s;
   frame.pose_W = answer.pose;
@@ -33,18 +37,16 @@ void LiveRun::add(const std::shared_ptr<const hand::HandModel>& model,
 }
 
 int LiveRun::patchOf(const std::string& part) {
-  const auto known = std::find(patch_names_.begin(), patch_names_.end(), part);
-  const auto index = static_cast<int>(known - patch_names_.begin());
-  if (known == patch_names_.end()) patch_names_.push_back(part);
+  const auto known = std::find(of_.patch_names.begin(), of_.patch_names.end(), part);
+  const auto index = static_cast<int>(known - of_.patch_names.begin());
+  if (known == of_.patch_names.end()) of_.patch_names.push_back(part);
   return index;
 }
 
 io::HandTrajectory LiveRun::trajectory() const {
   HANDGRAFT_REQUIRE(!frames_.empty());
-  io::HandTrajectory trajectory;
+  io::HandTrajectory trajectory = of_;
   trajectory.motion = "a demonstrator";
-  trajectory.model = model_;
-  trajectory.patch_names = patch_names_;
   trajectory.frames.assign(frames_.begin(), frames_.end());
   trajectory.notes.push_back(fmt::format(
       "times count from {:.6g} s of the demonstrator's clock on", frames_.front().time_s));

@@ -17,8 +17,9 @@ class LiveRun {
   /// Five minutes at 120 Hz; some 1 kB each.
   static constexpr std::size_t kMostFrames = 36'000;
 
-  /// Times rise. Frames: X_WO in W. Those of another hand before are forgotten.
-  void add(const std::shared_ptr<const hand::HandModel>& model,
+  /// `of`: hand and object, with their names. Frames: X_WO in W. What another hand did before,
+  /// or this one about another object, is forgotten, and what lies behind in time.
+  void add(const io::HandTrajectory& of,
            double time_s,
            const Pose& X_WO,
            const retargeting::LiveFollower::Answer& answer,
@@ -26,14 +27,13 @@ class LiveRun {
 
   [[nodiscard]] bool isEmpty() const { return frames_.empty(); }
 
-  /// Names of hand and object, and the object, are left to the caller. BrokenContract if empty.
+  /// BrokenContract if empty.
   [[nodiscard]] io::HandTrajectory trajectory() const;
 
  private:
   [[nodiscard]] int patchOf(const std::string& part);
 
-  std::shared_ptr<const hand::HandModel> model_;
-  std::vector<std::string> patch_names_;
+  io::HandTrajectory of_;  ///< without frames
   std::deque<io::TrajectoryFrame> frames_;
   std::size_t forgotten_ = 0;
 };

@@ -33,6 +33,15 @@ LiveFollower::Answer answerAt(double x, const std::vector<int>& touching) {
   return answer;
 }
 
+io::HandTrajectory of(std::shared_ptr<const hand::HandModel> model,
+                      std::shared_ptr<const geometry::TriangleMesh> object_O = nullptr) {
+  io::HandTrajectory both;
+  both.hand = "small";
+  both.model = std::move(model);
+  both.object_O = std::move(object_O);
+  return both;
+}
+
 TEST(LiveRun, HasWhatWasAnsweredAndWhatTouched) {
   const test::SmallHand small = test::makeSmallHand();
   LiveRun run;
@@ -40,11 +49,12 @@ TEST(LiveRun, HasWhatWasAnsweredAndWhatTouched) {
   EXPECT_THROW((void)run.trajectory(), BrokenContract);
   Pose X_WO = Pose::Identity();
   X_WO.translation().z() = 0.3;
-  run.add(small.model, 2.0, X_WO, answerAt(0.1, {2}), parts);
-  run.add(small.model, 2.5, X_WO, answerAt(0.2, {0, 2}), parts);
+  run.add(of(small.model), 2.0, X_WO, answerAt(0.1, {2}), parts);
+  run.add(of(small.model), 2.5, X_WO, answerAt(0.2, {0, 2}), parts);
   const io::HandTrajectory kept = run.trajectory();
   EXPECT_THAT(kept.patch_names, ElementsAre("index_tip", "thumb_tip"));
   ASSERT_EQ(kept.frames.size(), 2u);
+  EXPECT_EQ(kept.hand, "small");
   EXPECT_EQ(kept.frames[1].time_s, 2.5);
   EXPECT_EQ(kept.frames[1].pose_W.q[3], 0.2);
   EXPECT_EQ(kept.frames[1].X_WO.translation().z(), 0.3);
@@ -60,7 +70,7 @@ TEST(LiveRun, ForgetsWhatIsOldestAndSaysSo) {
   const test::SmallHand small = test::makeSmallHand();
   LiveRun run;
   for (std::size_t k = 0; k < LiveRun::kMostFrames + 3; ++k)
-    run.add(small.model, 0.01 * static_cast<double>(k), Pose::Identity(), answerAt(0.1, {}),
+    run.add(of(small.model), 0.01 * static_cast<double>(k), Pose::Identity(), answerAt(0.1, {}),
             parts);
   const io::HandTrajectory kept = run.trajectory();
   EXPECT_EQ(kept.frames.size(), LiveRun::kMostFrames);
@@ -71,10 +81,25 @@ TEST(LiveRun, ForgetsWhatIsOldestAndSaysSo) {
 
 TEST(LiveRun, OfAnotherHandBeginsAnew) {
   LiveRun run;
-  run.add(test::makeSmallHand().model, 0.0, Pose::Identity(), answerAt(0.1, {0}), parts);
-  run.add(test::makeSmallHand().model, 0.1, Pose::Identity(), answerAt(0.2, {1}), parts);
+  run.add(of(test::makeSmallHand().model), 0.0, Pose::Identity(), answerAt(0.1, {0}), parts);
+  run.add(of(test::makeSmallHand().model), 0.1, Pose::Identity(), answerAt(0.2, {1}), parts);
   EXPECT_EQ(run.trajectory().frames.size(), 1u);
   EXPECT_THAT(run.trajectory().patch_names, ElementsAre("palm_1"));
+}
+
+TEST(LiveRun, AboutAnotherObjectOrEarlierBeginsAnew) {
+  const test::SmallHand small = test::makeSmallHand();
+  const auto ball =
+      std::make_shared<const geometry::TriangleMesh>(geometry::makeSphere(0.03, 1));
+  LiveRun run;
+  run.add(of(small.model), 0.0, Pose::Identity(), answerAt(0.1, {0}), parts);
+  run.add(of(small.model, ball), 0.1, Pose::Identity(), answerAt(0.2, {1}), parts);
+  EXPECT_EQ(run.trajectory().frames.size(), 1u);
+  EXPECT_EQ(run.trajectory().object_O, ball);
+  run.add(of(small.model, ball), 0.2, Pose::Identity(), answerAt(0.2, {1}), parts);
+  EXPECT_EQ(run.trajectory().frames.size(), 2u);
+  run.add(of(small.model, ball), 0.15, Pose::Identity(), answerAt(0.2, {1}), parts);
+  EXPECT_EQ(run.trajectory().frames.size(), 1u);
 }
 
 }  // namespace
