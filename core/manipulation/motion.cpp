@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <set>
 
@@ -146,36 +147,30 @@ int strideOf(const std::vector<double>& time_s, double seconds) {
   return std::clamp(static_cast<int>(std::lround(seconds / step_s)), 1, steps);
 }
 
-DemonstratorKey demonstratorAt(const Motion& motion, int frame) {
+const DemonstratorKey& demonstratorNear(const Motion& motion, int frame) {
+  const std::vector<DemonstratorKey>& keys = motion.demonstrator;
+  HANDGRAFT_REQUIRE(!keys.empty());
+  return *std::min_element(keys.begin(), keys.end(), [&](const auto& a, const auto& b) {
+    return std::abs(a.frame - frame) < std::abs(b.frame - frame);
+  });
+}
+
+Pose demonstratorPoseAt(const Motion& motion, int frame) {
   const std::vector<DemonstratorKey>& keys = motion.demonstrator;
   HANDGRAFT_REQUIRE(!keys.empty());
   const auto behind = std::upper_bound(keys.begin(), keys.end(), frame,
                                        [](int wanted, const DemonstratorKey& key) {
                                          return wanted < key.frame;
                                        });
-  if (behind == keys.begin()) return keys.front();
-  DemonstratorKey now = *(behind - 1);
-  if (behind == keys.end() || now.frame == frame) return now;
+  if (behind == keys.begin()) return keys.front().X_OD;
+  const DemonstratorKey& before = *(behind - 1);
+  if (behind == keys.end()) return before.X_OD;
   const auto time_of = [&](int k) {
     return motion.time_s.at(static_cast<std::size_t>(k));
   };
-  const double share =
-      (time_of(frame) - time_of(now.frame)) / (time_of(behind->frame) - time_of(now.frame));
-  now.frame = frame;
-  now.X_OD = poseBetween({now.X_OD, {}}, {behind->X_OD, {}}, share).X_WH;
-  for (contact::PartDirection& part : now.posture) {
-    const auto then = std::find_if(behind->posture.begin(), behind->posture.end(),
-                                   [&](const contact::PartDirection& one) {
-                                     return one.part == part.part;
-                                   });
-    if (then == behind->posture.end()) continue;
-    part.outward_O += share * (then->outward_O - part.outward_O);
-    part.palmar_O += share * (then->palmar_O - part.palmar_O);
-    // What is turned round between two keys is not known there.
-    part.outward_O.normalize();
-    part.palmar_O.normalize();
-  }
-  return now;
+  const double share = (time_of(frame) - time_of(before.frame)) /
+                       (time_of(behind->frame) - time_of(before.frame));
+  return poseBetween({before.X_OD, {}}, {behind->X_OD, {}}, share).X_WH;
 }
 
 bool isDemonstratorDue(const Motion& motion, int frame) {

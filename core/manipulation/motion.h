@@ -85,9 +85,12 @@ struct Motion {
 /// A person's hand changes little in that.
 inline constexpr double kDemonstratorEvery = 0.04;  // s
 
-/// The demonstrator's hand at any frame; before the first key and behind the last one as there.
-/// BrokenContract if nobody knows it.
-DemonstratorKey demonstratorAt(const Motion& motion, int frame);
+/// The key nearest to a frame. BrokenContract, as below, if nobody knows the demonstrator.
+const DemonstratorKey& demonstratorNear(const Motion& motion, int frame);
+
+/// X_OD at any frame: in between from key to key, before the first and behind the last as
+/// there.
+Pose demonstratorPoseAt(const Motion& motion, int frame);
 
 /// Whether a frame is due for a key of the demonstrator's hand: the first, and so much later
 /// than the last key's.

@@ -60,15 +60,6 @@ std::vector<int> fullestFrames(const Motion& motion) {
   return frames;
 }
 
-/// The demonstrator's, as nearest to a frame as the motion has it.
-std::vector<contact::PartDirection> postureNear(const Motion& motion, int frame) {
-  const auto& keys = motion.demonstrator;
-  const auto nearest = std::min_element(keys.begin(), keys.end(), [&](auto& a, auto& b) {
-    return std::abs(a.frame - frame) < std::abs(b.frame - frame);
-  });
-  return nearest == keys.end() ? std::vector<contact::PartDirection>() : nearest->posture;
-}
-
 /// The grasp as its patches are in a frame.
 session::FrameContacts contactsAt(const Motion& motion,
                                   const std::vector<std::string>& names,
@@ -90,7 +81,7 @@ session::FrameContacts contactsAt(const Motion& motion,
     patch = patchOfGrasp(track->keyAt(frame), object_O, locator);
     patch.name = std::move(name);
   }
-  contacts->posture = postureNear(motion, frame);
+  if (!motion.demonstrator.empty()) contacts->posture = demonstratorNear(motion, frame).posture;
   in_frame.contacts = std::move(contacts);
   return in_frame;
 }

@@ -155,9 +155,9 @@ class Unheld {
       const double share = 1.0 - holds_.hand[k];
       if (share <= 0.0) continue;
       const auto frame = static_cast<int>(k);
-      const Pose X_OD = demonstratorAt(motion_, frame).X_OD;
+      const Pose X_OD = demonstratorPoseAt(motion_, frame);
       const auto along = [&](int from) {
-        return hand::HandPose{X_OD * inverse(demonstratorAt(motion_, from).X_OD) *
+        return hand::HandPose{X_OD * inverse(demonstratorPoseAt(motion_, from)) *
                                   poses_[static_cast<std::size_t>(from)].X_WH,
                               {}};
       };
@@ -309,7 +309,7 @@ void turnAlike(const hand::Hand& hand, const Motion& motion, MotionProblem& prob
       ++counts[static_cast<std::size_t>(k)];
   const auto fullest =
       static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
-  const DemonstratorKey then = demonstratorAt(motion, fullest);
+  const DemonstratorKey& then = demonstratorNear(motion, fullest);
   contact::ContactSet shown;
   shown.posture = then.posture;
   const placement::Posture posture = placement::postureFor(hand, shown);
@@ -317,7 +317,7 @@ void turnAlike(const hand::Hand& hand, const Motion& motion, MotionProblem& prob
   const Eigen::Matrix3d R_DH = then.X_OD.linear().transpose() * *posture.R_OH;
   problem.turns.clear();
   for (int k = 0; k < motion.frameCount(); ++k)
-    problem.turns.push_back({demonstratorAt(motion, k).X_OD.linear() * R_DH, kTurnWeight});
+    problem.turns.push_back({demonstratorPoseAt(motion, k).linear() * R_DH, kTurnWeight});
 }
 
 bool layUnheld(const hand::Hand& hand,

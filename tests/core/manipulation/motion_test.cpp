@@ -99,16 +99,16 @@ Motion shownSlide() {
 
 TEST(Motion, BetweenTwoKeysTheDemonstratorIsInBetween) {
   const Motion motion = shownSlide();
-  const DemonstratorKey half = demonstratorAt(motion, 2);
-  EXPECT_NEAR(half.X_OD.translation().x(), 0.02, 1e-12);
+  const Pose half = demonstratorPoseAt(motion, 2);
+  EXPECT_NEAR(half.translation().x(), 0.02, 1e-12);
   const Eigen::Vector3d diagonal = Eigen::Vector3d(1.0, 1.0, 0.0).normalized();
-  EXPECT_TRUE(half.X_OD.linear().col(0).isApprox(diagonal, 1e-12));
-  EXPECT_TRUE(half.posture[0].outward_O.isApprox(diagonal, 1e-12));
-  EXPECT_TRUE(half.posture[0].palmar_O.isApprox(Eigen::Vector3d::UnitZ(), 1e-12));
-  EXPECT_TRUE(half.posture[1].palmar_O.isZero()) << "nobody knows it";
-  EXPECT_NEAR(demonstratorAt(motion, 4).X_OD.translation().x(), 0.04, 1e-12);
-  EXPECT_NEAR(demonstratorAt(motion, 9).X_OD.translation().x(), 0.08, 1e-12) << "the last";
-  EXPECT_THROW((void)demonstratorAt(slide(), 0), BrokenContract);
+  EXPECT_TRUE(half.linear().col(0).isApprox(diagonal, 1e-12));
+  EXPECT_NEAR(demonstratorPoseAt(motion, 4).translation().x(), 0.04, 1e-12);
+  EXPECT_NEAR(demonstratorPoseAt(motion, 9).translation().x(), 0.08, 1e-12) << "the last";
+  EXPECT_EQ(demonstratorNear(motion, 5).frame, 4);
+  EXPECT_EQ(demonstratorNear(motion, 9).frame, 8);
+  EXPECT_THROW((void)demonstratorPoseAt(slide(), 0), BrokenContract);
+  EXPECT_THROW((void)demonstratorNear(slide(), 0), BrokenContract);
 }
 
 TEST(Motion, ADemonstratorIsDueEach40Milliseconds) {
