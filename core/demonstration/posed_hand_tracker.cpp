@@ -63,7 +63,8 @@ PosedHandTracker::PosedHandTracker(const hand::Hand& hand,
       object_O_(std::move(object_O)),
       solid_(placement::solidOf(hand_.model, hand_.skin, progress)),
       object_solid_O_(placement::solidOf(object_O_, progress)),
-      locator_(*object_O_) {
+      locator_(*object_O_),
+      grip_(hand_) {
   const std::shared_ptr<const hand::FingerCoordinates> coordinates = hand::coordinatesOf(hand_);
   turned_ = turnedParts(coordinates->anatomy());
   std::map<std::string, int> numbers;
@@ -173,6 +174,13 @@ std::vector<contact::PartDirection> PosedHandTracker::postureOf(const hand::Hand
                                                                 const Pose& X_WO) const {
   return shownPosture(turned_,
                       hand_.skin->fromWorld(*hand_.model, {inverse(X_WO) * pose.X_WH, pose.q}));
+}
+
+manipulation::ShownHand PosedHandTracker::shownBy(const hand::HandPose& pose,
+                                                  const Pose& X_WO) const {
+  const Pose X_OH = inverse(X_WO) * pose.X_WH;
+  return {postureOf(pose, X_WO), X_OH,
+          grip_.at(hand::forwardKinematics(*hand_.model, {X_OH, pose.q}))};
 }
 
 }  // namespace handgraft::demonstration

@@ -7,6 +7,7 @@
 #include "core/base/progress.h"
 #include "core/geometry/solid.h"
 #include "core/geometry/surface_locator.h"
+#include "core/hand/grip_point.h"
 #include "core/hand/hand.h"
 #include "core/hand/hand_solid.h"
 #include "core/hand/kinematics.h"
@@ -44,6 +45,9 @@ class PosedHandTracker {
   [[nodiscard]] std::vector<contact::PartDirection> postureOf(const hand::HandPose& pose,
                                                               const Pose& X_WO) const;
 
+  [[nodiscard]] manipulation::ShownHand shownBy(const hand::HandPose& pose,
+                                                const Pose& X_WO) const;
+
   /// By part: `index_distal`, `index_tip`, `palm_1`, as manipulation::ContactTracker's.
   [[nodiscard]] const std::vector<std::string>& partNames() const { return part_names_; }
 
@@ -74,6 +78,7 @@ class PosedHandTracker {
   geometry::SurfaceLocator locator_;
   std::vector<std::vector<Spot>> spots_;  ///< of each of the solid's links' fine samples
   std::vector<hand::TurnedPart> turned_;
+  hand::GripPoint grip_;
   std::vector<std::string> part_names_;
   std::vector<char> touches_;  ///< by part
 };

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/geometry/signed_distance.h"
+#include "core/hand/grip_point.h"
 #include "core/manipulation/joint_noise.h"
 #include "core/manipulation/recorded_frames.h"
 
@@ -318,6 +319,10 @@ Pose palmOf(const DemonstratedFrame& frame) {
   X_OD.linear() << along, side, along.cross(side);
   X_OD.translation() = joints.joints_O.col(0);
   return X_OD;
+}
+
+ShownHand shownBy(const DemonstratedFrame& frame) {
+  return {postureOf(frame), palmOf(frame), hand::gripPointOf(Frame(frame).joints_O)};
 }
 
 Motion motionOfDemonstration(const std::vector<DemonstratedFrame>& frames,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,15 @@ std::vector<double> depthsOfJoints(const std::vector<DemonstratedFrame>& frames,
 /// Where the palm of that hand is, in O: at the wrist, x towards the middle finger's knuckle, y
 /// along the row of knuckles towards the index finger.
 Pose palmOf(const DemonstratedFrame& frame);
+
+/// How a demonstrator's hand is held over the object, touching or not.
+struct ShownHand {
+  std::vector<contact::PartDirection> posture;
+  std::optional<Pose> X_OD{};               ///< any frame fixed to its palm; nobody knows it
+  std::optional<Eigen::Vector3d> grip_O{};  ///< hand::GripPoint; nobody knows it
+};
+
+ShownHand shownBy(const DemonstratedFrame& frame);
 
 /// The motion of a demonstration: a track from where a part begins to touch until it ends, a
 /// key where the touch has moved by a millimetre, or by what noise of the joints may move it,

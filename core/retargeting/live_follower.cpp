@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <set>
+#include <utility>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
-#include "core/contact/patch.h"
+#include "core/manipulation/trajectory.h"
 #include "core/optimize/diagnosis.h"
 #include "core/placement/solids.h"
 #include "core/retargeting/hand_goal.h"
@@ -18,13 +16,20 @@ namespace {
 
 // Of a link on its way: little, so that what is in the way keeps it off.
 constexpr double kWayWeight = 4.0;
-// Places yield to where the hand shows a touch like a spring.
-constexpr double kSlideShare = 0.95;
+// Of a link of a hand that comes near while the first parts touch: so that these hold it.
+constexpr double kNearWeight = 0.1;
+constexpr double kForgets = 0.5;         // s, in which a hand forgets how it held
 constexpr double kSlideTime = 0.05;      // s
 constexpr double kLongestStep = 0.0125;  // s
-// Of places kept for later frames.
-constexpr double kAngleStep = std::numbers::pi / 36.0;  // rad
-constexpr double kShareStep = 1.0 / 32.0;               // of a segment or the palm
+constexpr double kSearchTime = 0.15;     // s; twice what most searches take
+
+// Lost is a hand that is so far off, for so long; what is found must be nearer by this factor.
+constexpr double kLost = 0.012;  // m, on average over the touches
+constexpr double kBetter = 0.6;
+// Fingers dealt in another way must leave so much less unshown to be worth the way there.
+constexpr double kServesMore = 0.75;
+// What is found for a hand that has come near must show so much more of what touches.
+constexpr double kShowsMore = 0.3;
 
 }  // namespace
 
@@ -32,176 +37,10 @@ LiveFollower::LiveFollower(const session::Document& document,
                            const hand::Hand& hand,
                            std::shared_ptr<const geometry::TriangleMesh> object_O,
                            const Progress& progress)
-    : hand_(hand),
-      object_O_(std::move(object_O)),
-      coordinates_(*hand_.model, *hand_.skin, hand_.sites),
-      problem_(motionProblemOf(document, hand, {0.0}, motionSolving(true))),
-      options_(motionSolving(true).options),
-      tracker_(*object_O_),
-      solver_(problem_, options_),
-      faces_(placement::facesOf(hand_.skin)),
-      middle_O_(object_O_->vertices().rowwise().mean()),
-      parts_(manipulation::ContactTracker::partNames().size()),
-      fingers_(coordinates_.anatomy()) {
-  placement::makeSolids(hand_, object_O_, progress);
-  if (!document.solving.avoids()) return;
-  problem_.avoidance =
-      placement::avoidanceOf(hand_.model, hand_.skin, object_O_, Pose::Identity(), progress);
-}
-
-std::optional<hand::LinkPoint> LiveFollower::spotOf(
-    const manipulation::DetectedContact& touch) {
-  const auto steps = [](double value, double step) {
-    return static_cast<int>(std::lround(value / step));
-  };
-  hand::HandLocation place = touch.place;
-  if (place.digit != hand::kPalmPart) {
-    const std::string* finger = fingers_.fingerFor(place.digit);
-    if (finger == nullptr) return std::nullopt;
-    place.digit = *finger;
-  }
-  const PlaceKey key{place.digit, touch.part, steps(touch.place.along, kShareStep),
-                     steps(touch.place.around_rad, kAngleStep),
-                     steps(touch.place.across, kShareStep)};
-  const auto known = spots_.find(key);
-  if (known != spots_.end()) return known->second;
-  place.along = key.along * kShareStep;
-  place.around_rad = key.around * kAngleStep;
-  place.across = key.across * kShareStep;
-  std::optional<hand::LinkPoint> spot;
-  if (const auto found = coordinates_.spotAt(place)) spot = hand_.skin->project(found->root_S);
-  spots_[key] = spot;
-  return spot;
-}
-
-void LiveFollower::meet(const manipulation::DetectedContact& touch) {
-  TouchingPart& part = parts_[static_cast<std::size_t>(touch.part)];
-  const std::optional<hand::LinkPoint> spot = spotOf(touch);
-  const bool is_same_link = spot && part.meant && spot->link == part.meant->link;
-  if (!is_same_link || part.presence == 0.0) part.forget();
-  part.digit = touch.place.digit;
-  part.meant = spot;
-  part.p_O = positionOf(*object_O_, touch.point_O);
-  part.n_O = normalOf(*object_O_, touch.point_O);
-}
-
-/// Each touch from now on, by the fingers as they are dealt.
-void LiveFollower::meetAnew() {
-  for (const manipulation::DetectedContact& touch : seen_)
-    meet(touch);
-  for (TouchingPart& part : parts_)
-    part.forget();
-}
-
-/// Of the demonstrator, thumb to little.
-std::vector<std::string> LiveFollower::touchingDigits() const {
-  std::vector<std::string> digits;
-  for (const manipulation::DetectedContact& touch : seen_)
-    if (touch.place.digit != hand::kPalmPart) digits.push_back(touch.place.digit);
-  return session::inOrder(std::move(digits));
-}
-
-/// Digits, and the palm.
-int LiveFollower::partsTouching() const {
-  std::set<std::string> parts;
-  for (const manipulation::DetectedContact& touch : seen_)
-    parts.insert(touch.place.digit);
-  return static_cast<int>(parts.size());
-}
-
-/// For digits that have come since fingers were dealt.
-void LiveFollower::takeFingers() {
-  std::vector<std::string> present = touchingDigits();
-  const std::vector<std::string> touching = present;
-  for (const TouchingPart& part : parts_)
-    if (part.presence > 0.0) present.push_back(part.digit);
-  fingers_.take(touching, present);
-}
-
-/// In a touch that the hand is so far from showing (Cauchy's weight).
-double LiveFollower::trustIn(double distance) {
-  constexpr double kHalf = 0.0125;  // m
-  const double share = distance / kHalf;
-  return 1.0 / (1.0 + share * share);
-}
-
-Eigen::Vector3d LiveFollower::TouchingPart::shownPlace() const {
-  return meant->p_L + kSlideShare * slide_L;
-}
-
-void LiveFollower::TouchingPart::forget() {
-  slide_L.setZero();
-  turn_L.setZero();
-  trust = 1.0;
-}
-
-/// Places to where the hand shows what is touched, and trust to what it shows.
-void LiveFollower::slide(double share) {
-  const hand::LinkPoses X_SO = hand_.skin->fromWorld(*hand_.model, *last_O_);
-  hand::LinkPoses X_OL;
-  hand::forwardKinematics(*hand_.model, last_O_->X_WH, last_O_->q, X_OL);
-  std::vector<char> permitted(hand_.model->links().size(), 0);
-  for (TouchingPart& part : parts_) {
-    if (!part.meant || part.presence <= 0.0) continue;
-    const auto link = static_cast<std::size_t>(part.meant->link);
-    const double distance = (X_OL[link] * part.shownPlace() - part.p_O).norm();
-    part.trust += share * (trustIn(distance) - part.trust);
-    permitted[link] = 1;
-    const auto shown_S = placement::rootShownBy(*faces_, X_SO, permitted, part.p_O, part.n_O);
-    permitted[link] = 0;
-    const auto shown = shown_S ? hand_.skin->project(*shown_S) : std::nullopt;
-    if (!shown || shown->link != part.meant->link) continue;
-    part.slide_L += share * (shown->p_L - part.meant->p_L - part.slide_L);
-    part.turn_L += share * (shown->n_L - part.meant->n_L - part.turn_L);
-  }
-}
-
-optimize::PointPair LiveFollower::pairOf(std::size_t index) const {
-  const TouchingPart& part = parts_[index];
-  optimize::PointPair pair;
-  pair.link = part.meant->link;
-  pair.p_L = part.shownPlace();
-  pair.n_L = (part.meant->n_L + kSlideShare * part.turn_L).normalized();
-  pair.p_W = part.p_O;  // the object's frame is the solver's world
-  pair.n_W = part.n_O;
-  // It stands for a region.
-  pair.weight = part.presence * part.trust * contact::kDefaultInterpolationCount;
-  pair.patch = static_cast<int>(index);
-  return pair;
-}
-
-optimize::PoseProblem LiveFollower::problemNow() const {
-  hand::HandPose start;
-  start.q = problem_.prior.cwiseMax(problem_.lower).cwiseMin(problem_.upper);
-  if (last_O_) start = *last_O_;
-  const manipulation::FrameProblems frames(problem_, options_.fade);
-  optimize::PoseProblem single = frames.at(0, start);
-  for (std::size_t i = 0; i < parts_.size(); ++i)
-    if (parts_[i].meant && parts_[i].presence > 0.0) single.pairs.push_back(pairOf(i));
-  return single;
-}
-
-std::vector<LiveFollower::PartFit> LiveFollower::fitsOf(
-    const std::vector<manipulation::DetectedContact>& touches, const Pose& X_WO) const {
-  hand::LinkPoses X_OL;
-  hand::forwardKinematics(*hand_.model, last_O_->X_WH, last_O_->q, X_OL);
-  std::vector<PartFit> fits;
-  for (const manipulation::DetectedContact& touch : touches) {
-    const auto index = static_cast<std::size_t>(touch.part);
-    if (!parts_[index].meant) continue;
-    const optimize::PointPair pair = pairOf(index);
-    const Pose& X = X_OL[static_cast<std::size_t>(pair.link)];
-    PartFit fit;
-    fit.part = touch.part;
-    fit.on_hand_W = X_WO * (X * pair.p_L);
-    fit.on_object_W = X_WO * pair.p_W;
-    fit.distance_mm = 1e3 * (fit.on_hand_W - fit.on_object_W).norm();
-    fit.facing_deg = inDegrees(angleBetween(X.linear() * pair.n_L, -pair.n_W));
-    fit.reached = optimize::isReached(fit.distance_mm, fit.facing_deg);
-    fits.push_back(fit);
-  }
-  return fits;
-}
+    : setting_(std::make_shared<LiveSetting>(document, hand, std::move(object_O), progress)),
+      tracker_(*setting_->object_O),
+      solver_(setting_->problem, setting_->options),
+      grasp_(setting_) {}
 
 void LiveFollower::requireLater(double time_s) const {
   if (!std::isfinite(time_s)) rejectInput("a frame's time {} s is not finite", time_s);
@@ -217,102 +56,206 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
     const manipulation::DemonstratedFrame& frame, const Progress& progress) {
   requireLater(frame.time_s);
   if (const manipulation::DemonstratedFrame* steady = glitches_.steadyBefore(frame)) {
-    return follow(frame.time_s, frame.X_WO, seen_, manipulation::postureOf(*steady), progress,
-                  manipulation::palmOf(*steady));
+    return follow(frame.time_s, frame.X_WO, grasp_.seen(), manipulation::shownBy(*steady),
+                  progress);
   }
   const std::vector<manipulation::DetectedContact> touches = tracker_.see(frame);
   glitches_.takeSteady(frame);
-  return follow(frame.time_s, frame.X_WO, touches, manipulation::postureOf(frame), progress,
-                manipulation::palmOf(frame));
+  return follow(frame.time_s, frame.X_WO, touches, manipulation::shownBy(frame), progress);
+}
+
+// === Searches
+
+void LiveFollower::look(double time_s, bool deals_anew, const manipulation::ShownHand& shown) {
+  looking_.emplace(time_s + kSearchTime, [from = grasp_, deals_anew,
+                                          posture = shown.posture](const Progress& progress) {
+    return lookFor(from, deals_anew, posture, progress);
+  });
+}
+
+std::optional<LookedFor> LiveFollower::lookedFor(const Progress& progress) {
+  std::optional<LookedFor> looked = looking_->task.get(progress);
+  looking_.reset();
+  return looked;
+}
+
+/// From where the hand is.
+void LiveFollower::goTo(LiveGrasp better, double time_s) {
+  const hand::HandPose here_O = *grasp_.pose_O;
+  way_.emplace(here_O, *better.pose_O, setting_->middle_O, time_s);
+  grasp_ = std::move(better);
+  grasp_.pose_O = here_O;
+}
+
+void LiveFollower::begin(double time_s,
+                         bool is_at_once,
+                         const manipulation::ShownHand& shown,
+                         const Progress& progress) {
+  const bool is_due = beginning_.isDue(time_s, touches(), grasp_.partsTouching());
+  std::optional<LookedFor> looked;
+  if (looking_) {
+    if (time_s < looking_->due_s) return;
+    looked = lookedFor(progress);
+    if (!is_due) return;  // who has touched is gone
+  } else if (is_due && is_at_once) {
+    looked = lookFor(grasp_, true, shown.posture, progress);
+  } else if (is_due) {
+    look(time_s, true, shown);
+  }
+  if (!looked || (looked->depth > kDeep && beginning_.putOff(time_s))) return;
+  has_begun_ = true;
+  looked->grasp.goOnFrom(grasp_);
+  if (!is_at_once) {
+    const LiveGrasp::Standing before = grasp_.standing();
+    const LiveGrasp::Standing after = looked->grasp.standing();
+    const bool shows_more = before.lack - after.lack >= kShowsMore * touches();
+    const bool is_nearer =
+        before.distance > kLost && after.distance < kBetter * before.distance;
+    if (shows_more || is_nearer || depth_ > kDeep) goTo(std::move(looked->grasp), time_s);
+    return;
+  }
+  grasp_ = std::move(looked->grasp);
+  solver_.begin(*grasp_.pose_O);
+}
+
+void LiveFollower::lookAnew(double time_s,
+                            double step_s,
+                            const manipulation::ShownHand& shown,
+                            const Progress& progress) {
+  const LiveGrasp::Standing before = grasp_.standing();
+  const std::vector<std::string> touching = grasp_.touchingDigits();
+  const bool may_look = touches() >= kTouchesToBegin;
+  const bool is_lost = may_look && (before.distance > kLost || depth_ > kDeep);
+  const bool is_chosen = grasp_.fingers().isChosenFor(touching);
+  const bool is_unserved = may_look && grasp_.fingers().lacksOneFor(touching) && !is_chosen;
+  searches_.see(step_s, is_lost, is_unserved);
+  if (!is_chosen) searches_.touchesChanged();
+  if (!looking_) {
+    if (!way_ && searches_.isDue(time_s)) look(time_s, !is_chosen, shown);
+    return;
+  }
+  if (time_s < looking_->due_s) return;
+  std::optional<LookedFor> looked = lookedFor(progress);
+  const bool is_of_these = looked && looked->grasp.touchingDigits() == touching;
+  if (looked && may_look) {
+    LiveGrasp& found = looked->grasp;
+    found.goOnFrom(grasp_);
+    const LiveGrasp::Standing after = found.standing();
+    const bool serves_more = found.fingers().dealing() != grasp_.fingers().dealing() &&
+                             after.lack < kServesMore * before.lack;
+    const bool is_nearer =
+        after.shown >= before.shown && after.distance < kBetter * before.distance;
+    const bool is_freed = depth_ > kDeep && looked->depth <= kDeep;
+    const bool is_caught = looked->depth > kDeep && looked->depth > depth_;
+    if (!is_caught && (serves_more || is_nearer || is_freed)) {
+      goTo(std::move(found), time_s);
+      searches_.found(way_->end());
+      return;
+    }
+  }
+  searches_.foundNothing(time_s);
+  if (is_of_these) grasp_.keepFingers();
+}
+
+// === What holds nothing
+
+/// Where the hand is before it has begun, if that is known.
+std::optional<hand::HandPose> LiveFollower::comeNear(const manipulation::ShownHand& shown) {
+  if (!approach_) approach_ = LiveApproach::from(setting_->hand, shown);
+  if (!approach_) return std::nullopt;
+  const manipulation::MotionProblem& problem = setting_->problem;
+  const auto goal_O = approach_->goal(shown, problem.lower, problem.upper);
+  if (goal_O && !grasp_.pose_O) {
+    grasp_.pose_O = goal_O;
+    solver_.begin(*goal_O);
+  }
+  return goal_O;
 }
 
 /// Keeps where both hands are while something touches; else where this one goes.
-std::optional<hand::HandPose> LiveFollower::leaveFor(
-    const std::vector<contact::PartDirection>& posture, const Pose& X_OD) {
-  const bool touches = std::any_of(parts_.begin(), parts_.end(), [](const TouchingPart& part) {
-    return part.presence > 0.0;
-  });
+std::optional<hand::HandPose> LiveFollower::leaveFor(const manipulation::ShownHand& shown) {
+  if (!shown.X_OD) return std::nullopt;
+  const bool touches = grasp_.isTouching();
+  const std::size_t seen = grasp_.seen().size();
+  if (touches) touched_s_ = *last_s_;
   // Who lets go has opened the hand already where the last part leaves.
-  most_seen_ = touches ? std::max(most_seen_, seen_.size()) : 0;
-  if (touches && 2 * seen_.size() >= most_seen_) along_.emplace(X_OD, posture, *last_O_);
+  most_seen_ = touches ? std::max(most_seen_, seen) : 0;
+  if (touches && 2 * seen >= most_seen_)
+    along_.emplace(*shown.X_OD, shown.posture, *grasp_.pose_O);
   if (touches || !along_) return std::nullopt;
-  return along_->goal(hand_, X_OD, posture, problem_.lower, problem_.upper);
+  const manipulation::MotionProblem& problem = setting_->problem;
+  const hand::HandPose as_held_O =
+      along_->goal(setting_->hand, *shown.X_OD, shown.posture, problem.lower, problem.upper);
+  const auto near_O = comeNear(shown);
+  if (!near_O) return as_held_O;
+  const double share = std::clamp((*last_s_ - touched_s_) / kForgets, 0.0, 1.0);
+  if (share == 1.0) {
+    has_begun_ = false;
+    along_.reset();
+    grasp_.letGo();
+  }
+  return manipulation::poseBetween(as_held_O, *near_O, share * share * (3.0 - 2.0 * share));
 }
 
 optimize::PoseProblem LiveFollower::problemTo(const hand::HandPose& goal_O) const {
-  optimize::PoseProblem single = problemNow();
+  const hand::HandModel& model = *setting_->hand.model;
+  optimize::PoseProblem single = grasp_.problem();
+  if (!has_begun_ && grasp_.isTouching()) {
+    const auto pull = pairsTo(model, goal_O, kNearWeight);
+    single.pairs.insert(single.pairs.end(), pull.begin(), pull.end());
+    return single;
+  }
   // What is inside would keep the hand there.
-  if (depth_ > kDeep) single.avoidance = {};
-  single.pairs = pairsTo(*hand_.model, goal_O, kWayWeight);
+  if (has_begun_ && depth_ > kDeep) single.avoidance = {};
+  single.pairs = pairsTo(model, goal_O, kWayWeight);
   return single;
 }
 
-/// Which parts touch now; of what comes and goes no more than `fade` in this frame.
-std::vector<char> LiveFollower::comeAndGo(
-    const std::vector<manipulation::DetectedContact>& touches, double fade) {
-  std::vector<char> is_there(parts_.size(), 0);
-  for (const manipulation::DetectedContact& touch : touches) {
-    const auto at = static_cast<std::size_t>(touch.part);
-    if (at >= parts_.size()) {
-      parts_.resize(at + 1);
-      is_there.resize(at + 1, 0);
-    }
-    is_there[at] = 1;
-    meet(touch);
-  }
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const double goal = is_there[i];
-    parts_[i].presence += std::clamp(goal - parts_[i].presence, -fade, fade);
-  }
-  return is_there;
-}
+// === A frame
 
 std::optional<LiveFollower::Answer> LiveFollower::follow(
     double time_s,
     const Pose& X_WO,
     const std::vector<manipulation::DetectedContact>& touches,
-    const std::vector<contact::PartDirection>& posture,
-    const Progress& progress,
-    const std::optional<Pose>& X_OD) {
+    const manipulation::ShownHand& shown,
+    const Progress& progress) {
   requireLater(time_s);
   const double step_s = last_s_ ? time_s - *last_s_ : 0.0;
   const bool paused = last_s_ && (step_s > kLivePause || step_s <= 0.0);
   last_s_ = time_s;
-  seen_ = touches;
-  if (last_O_) takeFingers();
 
   // === Parts come and go
-  const double fade = options_.fade.seconds > 0.0 && !paused
-                          ? std::max(0.0, step_s) / options_.fade.seconds
-                          : 1.0;
-  const std::vector<char> is_there = comeAndGo(touches, fade);
+  const double fade_s = setting_->options.fade.seconds;
+  const bool fades = fade_s > 0.0 && !paused && grasp_.pose_O;
+  grasp_.comeAndGo(touches, fades ? std::max(0.0, step_s) / fade_s : 1.0);
 
   // === The pose
-  const bool begins = !last_O_;
-  if (begins) {
-    for (std::size_t i = 0; i < parts_.size(); ++i)
-      parts_[i].presence = is_there[i];
-    if (!begin(time_s, posture, progress)) return std::nullopt;
-  } else if (paused) {
-    solver_.begin(*last_O_);
+  if (paused) {
+    looking_.reset();
+    way_.reset();
+    if (grasp_.pose_O) solver_.begin(*grasp_.pose_O);
     searches_.beginAnew(time_s);
   }
-  if (!paused) lookAnew(time_s, step_s, posture, progress);
+  const bool begins = !grasp_.pose_O;
+  if (!has_begun_)
+    begin(time_s, begins || paused, shown, progress);
+  else if (!paused)
+    lookAnew(time_s, step_s, shown, progress);
+  const std::optional<hand::HandPose> free_O = has_begun_ ? leaveFor(shown) : comeNear(shown);
+  if (!has_begun_ && !free_O) return std::nullopt;
   // Of frames that are far apart in several steps: places follow the hand, and it them.
   const int steps =
       paused || begins ? 1
                        : std::max(1, static_cast<int>(std::ceil(step_s / kLongestStep - 1e-6)));
-  const std::optional<hand::HandPose> away_O =
-      X_OD ? leaveFor(posture, *X_OD) : std::optional<hand::HandPose>();
   manipulation::CausalSolver::Step step;
   for (int i = steps - 1; i >= 0; --i) {
     const double now_s = time_s - i * step_s / steps;
-    if (way_ && (paused || now_s > way_->end())) way_.reset();
+    if (way_ && now_s > way_->end()) way_.reset();
     step = solver_.follow(now_s, way_     ? problemTo(way_->at(now_s))
-                                 : away_O ? problemTo(*away_O)
-                                          : problemNow());
-    last_O_ = step.pose;
-    if (!way_) slide(1.0 - std::exp(-std::max(0.0, step_s) / steps / kSlideTime));
+                                 : free_O ? problemTo(*free_O)
+                                          : grasp_.problem());
+    grasp_.pose_O = step.pose;
+    if (!way_) grasp_.slide(1.0 - std::exp(-std::max(0.0, step_s) / steps / kSlideTime));
   }
   Answer answer;
   answer.pose = {X_WO * step.pose.X_WH, step.pose.q};
@@ -320,10 +263,12 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   answer.is_on_its_way = way_.has_value();
   answer.objective = step.objective;
   answer.evaluations = step.evaluations;
-  answer.parts = fitsOf(touches, X_WO);
-  answer.depths = placement::depthsOf(hand_.model, hand_.skin, object_O_, step.pose, progress);
-  if (problem_.avoidance) depth_ = answer.depths.object_m;
-  answer.limits = optimize::activeLimits(problem_.lower, problem_.upper, step.pose.q);
+  answer.parts = grasp_.fitsOf(touches, X_WO);
+  answer.depths = placement::depthsOf(setting_->hand.model, setting_->hand.skin,
+                                      setting_->object_O, step.pose, progress);
+  if (setting_->problem.avoidance) depth_ = answer.depths.object_m;
+  answer.limits =
+      optimize::activeLimits(setting_->problem.lower, setting_->problem.upper, step.pose.q);
   return answer;
 }
 

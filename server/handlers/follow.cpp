@@ -115,8 +115,11 @@ void judge(LiveSession& live,
   depths.self_depth_m(answer.depths.self_m);
   solution.penetration({depths});
   solution.joints_at_limit(limitsMessage(model, answer.limits));
-  solution.verdict(fmt::format("{} of {} touches reached{}", reached, answer.touches,
-                               answer.is_on_its_way ? "; on its way to a better grasp" : ""));
+  solution.verdict(
+      answer.touches == 0
+          ? "the demonstrator touches nothing"
+          : fmt::format("{} of {} touches reached{}", reached, answer.touches,
+                        answer.is_on_its_way ? "; on its way to a better grasp" : ""));
   solution.is_diagnosed(true);
 }
 
@@ -210,8 +213,7 @@ std::optional<retargeting::LiveFollower::Answer> answerTo(LiveSession& live,
   const Pose X_WO = poseFrom(frame.X_WO(), "X_WO");
   const Following& following = followingOf(live, hand);
   return following.follower->follow(frame.time_s(), X_WO, following.tracker->see(pose, X_WO),
-                                    following.tracker->postureOf(pose, X_WO), live.solves(),
-                                    inverse(X_WO) * pose.X_WH);
+                                    following.tracker->shownBy(pose, X_WO), live.solves());
 }
 
 std::string whyNotBegun(int touches) {

@@ -216,7 +216,7 @@ TEST_F(MotionTest, IsExportedAsEachFormat) {
 }
 
 // A file of a session that somebody was followed in is not what the hand did then.
-TEST_F(MotionTest, WhatADemonstratorDidNotBeginIsNoFile) {
+TEST_F(MotionTest, WhatADemonstratorWasRefusedIsNoFile) {
   const std::uint64_t session = open();
   ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
   EXPECT_TRUE(
@@ -229,12 +229,12 @@ TEST_F(MotionTest, WhatADemonstratorDidNotBeginIsNoFile) {
   frame.sequence_number(1);
   frame.kind(v1::DEMONSTRATOR_JOINTS);
   frame.hand("clamp");
-  frame.values({0.1});
+  frame.values({0.1, 0.2});
   frame.X_WH().push_back(X);
   frame.X_WO(X);
   bus.send(frame);
   ASSERT_TRUE(bus.await<v1::SessionState>(bus.states, [&](const v1::SessionState& state) {
-    return state.session_id() == session && state.following().verdict() == v1::FOLLOW_WAITS;
+    return state.session_id() == session && state.following().verdict() == v1::FOLLOW_REFUSED;
   }));
   EXPECT_TRUE(
       bus.ask(exportAs(session, v1::EXPORT_CSV)).body().exported_file().notes().empty());

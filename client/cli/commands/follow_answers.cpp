@@ -31,6 +31,7 @@ void FollowAnswers::came(const v1::PoseSolution& solution, Clock::time_point now
   if (found == sent_.end()) return;
   latency_ms_.push_back(std::chrono::duration<double, std::milli>(now - found->second).count());
   sent_.erase(found);
+  touching_ += solution.patches().empty() ? 0 : 1;
   const double time_s = solution.time_s().front();
   const bool is_first = latency_ms_.size() <= 2;
   const std::vector<double>& joints = solution.joint_positions();
@@ -104,6 +105,11 @@ double FollowAnswers::latency(double share) const {
 std::size_t FollowAnswers::count() const {
   const std::lock_guard lock(mutex_);
   return latency_ms_.size();
+}
+
+std::size_t FollowAnswers::touching() const {
+  const std::lock_guard lock(mutex_);
+  return touching_;
 }
 
 FollowAnswers::Step FollowAnswers::largestStep() const {

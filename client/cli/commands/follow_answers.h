@@ -48,6 +48,8 @@ class FollowAnswers {
   /// ms; a share of all latencies lies below; NaN without any.
   [[nodiscard]] double latency(double share) const;
   [[nodiscard]] std::size_t count() const;
+  /// Answers to frames in which a part of the hand shows what the demonstrator touches.
+  [[nodiscard]] std::size_t touching() const;
 
   /// How far a joint goes from one answer to the next.
   struct Step {
@@ -65,6 +67,7 @@ class FollowAnswers {
   std::map<double, Clock::time_point> sent_;
   std::optional<Clock::time_point> begun_;
   std::vector<double> latency_ms_;
+  std::size_t touching_ = 0;
   std::vector<double> last_;
   double last_s_ = 0.0;  // the time of that
   Step largest_step_;

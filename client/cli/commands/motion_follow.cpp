@@ -92,6 +92,8 @@ int run(const MotionFollowOptions& options,
   } while (options.loops && !interruption.requested() &&
            !answers.isHopeless(FollowClock::now()));
   if (!answers.isHopeless(FollowClock::now())) std::this_thread::sleep_for(kLastAnswers);
+  // Ctrl-C ends the frames, not what is told and written of them; a second one does.
+  interruption.reset();
 
   const double p50 = answers.latency(0.5);
   const double p99 = answers.latency(0.99);
@@ -121,6 +123,7 @@ int run(const MotionFollowOptions& options,
     fmt::print("{}\n", json::written({{"session_id", session_id},
                                       {"frames", writer.count()},
                                       {"answered", answers.count()},
+                                      {"touching", answers.touching()},
                                       {"refusals", refusals.count},
                                       {"latency_p50_ms", or_null(p50)},
                                       {"latency_p99_ms", or_null(p99)},
@@ -142,6 +145,8 @@ int run(const MotionFollowOptions& options,
           unit.scale * step.size, unit.name, joint, step.time_s,
           of_any.scale * answers.largestSpeed(), of_any.name);
     }
+    if (answers.touching() == 0)
+      fmt::print("the demonstrator touches the object in none of them\n");
     if (refusals.count > 0)
       fmt::print("frames were refused {} time{}, first at {:.2f} s: {}\n", refusals.count,
                  refusals.count == 1 ? "" : "s", refusals.first_s, *refusal);

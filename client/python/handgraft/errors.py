@@ -20,7 +20,7 @@ class Refused(Error):
 
 
 class NotBegun(Error):
-    """A demonstrator touches too little yet for the hand to begin: send the next frame. Nothing was wrong with this one."""
+    """The hand that follows a demonstrator has no pose yet: send the next frame. Nothing was wrong with this one."""
 
 
 class SolveFailed(Error):

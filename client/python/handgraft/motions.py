@@ -99,8 +99,9 @@ class Demonstrator:
     Each frame tells where the demonstrator's hand and the object are; the server finds where they touch and
     answers by a pose, which `Session.watch` and all other watchers see, too. `Pose.time_s` tells of which frame,
     `Pose.patches` how the hand meets each part that touches now (``index_tip``, ``palm_1``), `Pose.depth` how deep it is.
-    It begins once the demonstrator touches the object with three parts of the hand and no more come, or has pinched it
-    between two fingers for a quarter of a second. A session follows one demonstrator at a time.
+    While nothing touches the hand comes near, and lets go, as the demonstrator's does; a hand without digits to compare
+    begins once the demonstrator has touched the object with three parts, or pinched it. A session follows one
+    demonstrator at a time.
     """
 
     def __init__(self, session: Session, chirality: str):
@@ -144,7 +145,7 @@ class Demonstrator:
 
     def answer(self, time_s: float, X_WO: np.ndarray, *, patience_s: float = 1.0, **hand: Any) -> Pose:
         """Sends a frame as `send` does and waits for its pose. Raises, with what the server says of it, NotBegun as long
-        as the demonstrator touches too little, and any other Error for a frame that is refused or not answered in time."""
+        as the hand has no pose yet, and any other Error for a frame that is refused or not answered in time."""
         while self._stream.next(0.0) is not None:
             pass  # of frames before
         before = self._session.state()["following"]  # of a frame that was wrong, perhaps

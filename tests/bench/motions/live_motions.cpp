@@ -66,7 +66,7 @@ std::vector<LiveFrame> followLive(const contact::ContactSet& contacts,
     const double begin = threadMilliseconds();
     const auto answer =
         follower.follow(frame.time_s, frame.X_WO, tracker.see(frame.pose, frame.X_WO),
-                        tracker.postureOf(frame.pose, frame.X_WO), Progress());
+                        tracker.shownBy(frame.pose, frame.X_WO), Progress());
     const double ms = threadMilliseconds() - begin;
     shown.emplace_back();
     if (!answer) {

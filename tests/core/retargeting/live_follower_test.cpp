@@ -14,34 +14,16 @@
 #include "core/hand/mano_joints.h"
 #include "core/session/session.h"
 
-#include "tests/core/session/ball_grasp.h"
+#include "tests/core/retargeting/live_grip.h"
 #include "tests/core/session/library_models.h"
 
 namespace handgraft::retargeting {
 namespace {
 
 using manipulation::DemonstratedFrame;
-
-/// A hand whose fingers, more and more bent, have the ball between them and the palm.
-DemonstratedFrame grip(double time_s, double bend_rad, double away_m = 0.0) {
-  Eigen::Matrix<double, hand::kManoPoseSize, 1> pose;
-  pose.setZero();
-  for (int joint = 0; joint < 12; ++joint)
-    pose[3 + 3 * joint + 2] = bend_rad;
-  DemonstratedFrame frame;
-  frame.time_s = time_s;
-  frame.joints_W = hand::manoJointPlaces(pose, Eigen::Vector3d::Zero(), hand::HandSide::kRight);
-  // The ball's middle lies before the knuckles, below the palm.
-  frame.X_WO.translation() = Eigen::Vector3d(-0.01, -0.045 - away_m, -0.01);
-  return frame;
-}
-
-double meanDistance(const LiveFollower::Answer& answer) {
-  double sum_mm = 0.0;
-  for (const LiveFollower::PartFit& fit : answer.parts)
-    sum_mm += fit.distance_mm;
-  return sum_mm / static_cast<double>(std::max<std::size_t>(1, answer.parts.size()));
-}
+using test::grip;
+using test::LiveFollowing;
+using test::meanDistance;
 
 bool isOf(const std::string& digit, int part) {
   return manipulation::ContactTracker::partNames()[static_cast<std::size_t>(part)].rfind(
@@ -56,39 +38,6 @@ std::vector<manipulation::DetectedContact> without(
   return touches;
 }
 
-class LiveFollowing : public testing::Test {
- protected:
-  LiveFollowing() : session(grasp.open()) {}
-
-  std::unique_ptr<LiveFollower> follower() {
-    return std::make_unique<LiveFollower>(session.document(), grasp.hand(), grasp.ball,
-                                          Progress());
-  }
-
-  test::BallGrasp grasp;
-  session::Session session;
-};
-
-TEST_F(LiveFollowing, BeginsWithTheFirstTouchAndIsTheSameAgain) {
-  std::vector<Eigen::VectorXd> ways[2];
-  for (std::vector<Eigen::VectorXd>& way : ways) {
-    const auto follower = this->follower();
-    EXPECT_FALSE(follower->follow(grip(0.0, 0.6, 1.0), Progress())) << "nothing is touched";
-    for (int k = 1; k < 30; ++k) {
-      const auto answer = follower->follow(grip(k / 60.0, 0.6 + 0.005 * k), Progress());
-      if (!answer) continue;
-      EXPECT_TRUE(answer->pose.q.allFinite());
-      EXPECT_GT(answer->touches, 0);
-      if (!way.empty()) {
-        EXPECT_LT((answer->pose.q - way.back()).cwiseAbs().maxCoeff(), 0.3);
-      }
-      way.push_back(answer->pose.q);
-    }
-  }
-  ASSERT_GT(ways[0].size(), 10u);
-  EXPECT_EQ(ways[0], ways[1]);
-}
-
 // As people close their hands: part by part within a tenth of a second.
 TEST_F(LiveFollowing, BeginsWhenNoMoreTouchesCome) {
   const auto follower = this->follower();
@@ -101,8 +50,8 @@ TEST_F(LiveFollowing, BeginsWhenNoMoreTouchesCome) {
     std::vector<manipulation::DetectedContact> touches = tracker.see(frame);
     all = touches.size();
     touches.resize(std::min<std::size_t>(all, frames / 3));
-    first = follower->follow(frame.time_s, frame.X_WO, touches, manipulation::postureOf(frame),
-                             Progress());
+    first = follower->follow(frame.time_s, frame.X_WO, touches,
+                             {manipulation::postureOf(frame)}, Progress());
   }
   ASSERT_TRUE(first);
   ASSERT_GT(all, 5u);
@@ -175,7 +124,7 @@ TEST_F(LiveFollowing, PlacesYieldToWhereTheHandShowsATouch) {
   const auto follow = [&](const DemonstratedFrame& frame) {
     // Of fingers that this hand has.
     return follower->follow(frame.time_s, frame.X_WO, without("ring", tracker.see(frame)),
-                            manipulation::postureOf(frame), Progress());
+                            {manipulation::postureOf(frame)}, Progress());
   };
   std::optional<LiveFollower::Answer> answer;
   for (int k = 0; k < 40; ++k)
@@ -224,7 +173,7 @@ TEST_F(LiveFollowing, AFingerThatComesLaterIsShownBesideTheOthers) {
     std::vector<manipulation::DetectedContact> touches = tracker.see(frame);
     if (k < 40) touches = without("ring", touches);
     const auto answer = follower->follow(frame.time_s, frame.X_WO, touches,
-                                         manipulation::postureOf(frame), Progress());
+                                         {manipulation::postureOf(frame)}, Progress());
     if (!answer) continue;
     std::vector<std::string>& digits = shown.emplace_back();
     for (const LiveFollower::PartFit& fit : answer->parts)
@@ -248,7 +197,7 @@ TEST_F(LiveFollowing, ADealingThatShowsNoMoreIsNotTaken) {
     std::vector<manipulation::DetectedContact> touches = tracker.see(frame);
     if (k < 40) touches = without("index", touches);
     const auto answer = follower->follow(frame.time_s, frame.X_WO, touches,
-                                         manipulation::postureOf(frame), Progress());
+                                         {manipulation::postureOf(frame)}, Progress());
     ASSERT_TRUE(answer);
     EXPECT_FALSE(answer->is_on_its_way) << k;
     for (const LiveFollower::PartFit& fit : answer->parts)
@@ -326,7 +275,7 @@ TEST_F(LiveFollowing, WhatTheHandCannotShowYieldsToWhatItCan) {
   std::optional<LiveFollower::Answer> answer;
   for (int k = 0; k < 60; ++k)
     answer = follower->follow(k / 60.0, Pose::Identity(), touches,
-                              tracker.postureOf(shown, Pose::Identity()), Progress());
+                              {tracker.postureOf(shown, Pose::Identity())}, Progress());
   ASSERT_TRUE(answer);
   ASSERT_EQ(answer->parts.size(), touches.size());
   EXPECT_FALSE(answer->parts.back().reached);
@@ -350,7 +299,7 @@ TEST_F(LiveFollowing, AHandThatIsShownToItselfIsThere) {
     hand::HandPose pose = shown;
     pose.X_WH = X_WO * shown.X_WH;
     answer = follower->follow(k / 60.0, X_WO, tracker.see(pose, X_WO),
-                              tracker.postureOf(pose, X_WO), Progress());
+                              {tracker.postureOf(pose, X_WO)}, Progress());
     ASSERT_TRUE(answer) << k;
     EXPECT_GE(answer->touches, 3);
     EXPECT_LT((answer->pose.q - pose.q).cwiseAbs().maxCoeff(), 0.2) << k;
@@ -385,8 +334,9 @@ TEST_F(LiveFollowing, IsTurnedAsTheDemonstratorsHandWhereFewTouch) {
   ASSERT_GE(all.size(), 5u);
   for (std::size_t first = 0; first + 3 <= all.size(); ++first) {
     LiveFollower follower(opened.document(), hand, grasp.ball, Progress());
-    const auto answer = follower.follow(0.0, Pose::Identity(), threeOf(all, first),
-                                        tracker.postureOf(shown, Pose::Identity()), Progress());
+    const auto answer =
+        follower.follow(0.0, Pose::Identity(), threeOf(all, first),
+                        {tracker.postureOf(shown, Pose::Identity())}, Progress());
     ASSERT_TRUE(answer) << first;
     const Pose moved = answer->pose.X_WH * inverse(shown.X_WH);
     EXPECT_LT(vectorFromRotation(moved.linear()).norm(), 0.06) << first;
@@ -416,7 +366,7 @@ TEST_F(LiveFollowing, APinchIsHeldAsTheDemonstratorHoldsIt) {
   const auto at = [&](double time_s,
                       const std::vector<manipulation::DetectedContact>& touches) {
     return follower.follow(time_s, Pose::Identity(), touches,
-                           tracker.postureOf(shown, Pose::Identity()), Progress());
+                           {tracker.postureOf(shown, Pose::Identity())}, Progress());
   };
   EXPECT_FALSE(at(0.0, {}));
   std::optional<LiveFollower::Answer> answer;
@@ -429,73 +379,6 @@ TEST_F(LiveFollowing, APinchIsHeldAsTheDemonstratorHoldsIt) {
   EXPECT_LT(meanDistance(*answer), 2.0);
   const Pose moved = answer->pose.X_WH * inverse(shown.X_WH);
   EXPECT_LT(vectorFromRotation(moved.linear()).norm(), 0.1);
-}
-
-// Who lets go and draws back is followed: the hand is not left about the object.
-TEST_F(LiveFollowing, GoesAwayAsTheDemonstratorDoes) {
-  const auto live = follower();
-  std::optional<LiveFollower::Answer> answer;
-  int k = 0;
-  const auto show = [&](double bend_rad, double away_m) {
-    answer = live->follow(grip(k++ / 60.0, bend_rad, away_m), Progress());
-  };
-  const auto root_O = [&](double away_m) {
-    return (grip(0.0, 0.0, away_m).X_WO.inverse() * answer->pose.X_WH).translation().eval();
-  };
-  for (int i = 0; i < 60; ++i)
-    show(std::min(0.9, 0.03 * i), 0.0);
-  ASSERT_TRUE(answer.has_value());
-  const Eigen::Vector3d held = root_O(0.0);
-  constexpr double kAway = 0.1;
-  for (int i = 0; i < 60; ++i)
-    show(std::max(0.2, 0.9 - 0.03 * i), kAway * std::min(1.0, i / 40.0));
-  ASSERT_TRUE(answer.has_value());
-  EXPECT_EQ(answer->touches, 0);
-  // It touches yet for a part of the way.
-  EXPECT_GT((root_O(kAway) - held).norm(), 0.6 * kAway);
-  EXPECT_LT((root_O(kAway) - held).norm(), 1.3 * kAway);
-  // And back to it.
-  for (int i = 0; i < 90; ++i)
-    show(std::min(0.9, 0.2 + 0.02 * i), kAway * std::max(0.0, 1.0 - i / 40.0));
-  ASSERT_TRUE(answer.has_value());
-  EXPECT_GT(answer->touches, 3);
-  EXPECT_LT((root_O(0.0) - held).norm(), 0.02);
-}
-
-// Who lets go opens the hand before the last part leaves: it is not left as it held.
-TEST_F(LiveFollowing, OpensAsTheDemonstratorDoes) {
-  const auto live = follower();
-  std::optional<LiveFollower::Answer> answer;
-  int k = 0;
-  for (; k < 60; ++k)
-    answer = live->follow(grip(k / 60.0, std::min(0.9, 0.03 * k)), Progress());
-  ASSERT_TRUE(answer.has_value());
-  const Eigen::VectorXd held = answer->pose.q;
-  for (int i = 0; i < 120; ++i, ++k)
-    answer = live->follow(
-        grip(k / 60.0, std::max(0.1, 0.9 - 0.03 * i), 0.1 * std::min(1.0, i / 40.0)),
-        Progress());
-  ASSERT_TRUE(answer.has_value());
-  EXPECT_EQ(answer->touches, 0);
-  EXPECT_GT((answer->pose.q - held).cwiseAbs().maxCoeff(), 0.4);
-}
-
-// As long as it is not known how the other hand moves.
-TEST_F(LiveFollowing, StaysOverTheObjectWhereOnlyTouchesAreTold) {
-  const auto live = follower();
-  manipulation::ContactTracker tracker(*grasp.ball);
-  std::optional<LiveFollower::Answer> answer;
-  Pose held;
-  for (int k = 0; k < 120; ++k) {
-    const DemonstratedFrame frame = grip(k / 60.0, std::min(0.9, 0.03 * k));
-    const auto touches =
-        k < 60 ? tracker.see(frame) : std::vector<manipulation::DetectedContact>();
-    answer = live->follow(frame.time_s, frame.X_WO, touches, manipulation::postureOf(frame),
-                          Progress());
-    if (k == 59) held = answer->pose.X_WH;
-  }
-  ASSERT_TRUE(answer.has_value());
-  EXPECT_LT((answer->pose.X_WH.translation() - held.translation()).norm(), 0.02);
 }
 
 }  // namespace

@@ -1,0 +1,200 @@
+// What a live hand does where the demonstrator's touches nothing: it comes near, and lets go.
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/angle.h"
+#include "core/hand/grip_point.h"
+#include "core/retargeting/live_follower.h"
+
+#include "tests/core/retargeting/live_grip.h"
+#include "tests/core/session/library_models.h"
+
+namespace handgraft::retargeting {
+namespace {
+
+using manipulation::DemonstratedFrame;
+using test::grip;
+using test::handOfLibrary;
+using test::LiveFollowing;
+
+/// At more, a bone lies in the ball.
+constexpr double kBend_rad = 0.75;
+
+/// Comes from 0.3 m away with an open hand, and closes it about the ball.
+DemonstratedFrame coming(int k) {
+  const double way = std::clamp(k / 60.0, 0.0, 1.0);
+  const double bend_rad = std::clamp((k - 60) / 40.0, 0.0, 1.0) * kBend_rad;
+  return grip(k / 60.0, bend_rad, 0.3 * (1.0 - way));
+}
+
+// From the first frame on, long before anything touches.
+TEST_F(LiveFollowing, ComesNearAsTheDemonstratorDoes) {
+  for (const char* name : {"human20", "tendon16", "barrett8"}) {
+    const hand::Hand hand = handOfLibrary(name);
+    const hand::GripPoint grip_point(hand);
+    const auto live = followerOf(hand);
+    for (int k = 0; k < 55; ++k) {
+      const DemonstratedFrame frame = coming(k);
+      const auto answer = live->follow(frame, Progress());
+      ASSERT_TRUE(answer) << name << " " << k;
+      EXPECT_TRUE(answer->parts.empty());
+      const auto grip_W = grip_point.at(hand::forwardKinematics(*hand.model, answer->pose));
+      ASSERT_TRUE(grip_W);
+      EXPECT_LT((*grip_W - hand::gripPointOf(frame.joints_W)).norm(), 0.015) << name << k;
+    }
+  }
+}
+
+// It is turned as that hand: its palm looks where the other one's does.
+TEST_F(LiveFollowing, ComesNearTurnedAsTheDemonstratorsHand) {
+  const hand::Hand hand = handOfLibrary("human20");
+  for (const double turn_rad : {0.0, 1.0, 2.5}) {
+    const auto live = followerOf(hand);
+    DemonstratedFrame frame = grip(0.0, 0.1, 0.3);
+    const Eigen::Matrix3d R = rotationFromVector(Eigen::Vector3d(turn_rad, 0.0, 0.0));
+    frame.joints_W = R * frame.joints_W;
+    const auto answer = live->follow(frame, Progress());
+    const auto straight = followerOf(hand)->follow(grip(0.0, 0.1, 0.3), Progress());
+    ASSERT_TRUE(answer && straight);
+    EXPECT_LT(vectorFromRotation(answer->pose.X_WH.linear().transpose() * R *
+                                 straight->pose.X_WH.linear())
+                  .norm(),
+              0.05)
+        << turn_rad;
+  }
+}
+
+// Searches run beside the frames, which are answered as if there were none; nothing jumps.
+TEST_F(LiveFollowing, BeginsWithoutAJumpAndIsTheSameAgain) {
+  const hand::Hand hand = handOfLibrary("human20");
+  std::vector<Eigen::VectorXd> ways[2];
+  for (std::vector<Eigen::VectorXd>& way : ways) {
+    const auto live = followerOf(hand);
+    std::optional<hand::HandPose> before_O;
+    int held = 0;
+    for (int k = 0; k < 150; ++k) {
+      const DemonstratedFrame frame = coming(k);
+      const auto answer = live->follow(frame, Progress());
+      ASSERT_TRUE(answer) << k;
+      const hand::HandPose now_O{inverse(frame.X_WO) * answer->pose.X_WH, answer->pose.q};
+      if (before_O) {
+        EXPECT_LT((now_O.q - before_O->q).lpNorm<Eigen::Infinity>(), 0.17) << "10 rad/s " << k;
+        EXPECT_LT((now_O.X_WH.translation() - before_O->X_WH.translation()).norm(), 0.012) << k;
+      }
+      EXPECT_LT(answer->depths.object_m, 0.002) << k;
+      before_O = now_O;
+      way.push_back(answer->pose.q);
+      held = answer->touches;
+    }
+    EXPECT_GT(held, 5);
+  }
+  EXPECT_EQ(ways[0], ways[1]);
+}
+
+// A touch is shown as it comes, not when all of them have.
+TEST_F(LiveFollowing, ShowsWhatTouchesBeforeAllDoes) {
+  const auto live = followerOf(handOfLibrary("human20"));
+  std::optional<LiveFollower::Answer> answer;
+  for (int k = 0; k < 200 && (!answer || answer->touches < 2); ++k)
+    answer = live->follow(coming(k), Progress());
+  ASSERT_TRUE(answer);
+  ASSERT_GE(answer->touches, 2);
+  EXPECT_EQ(answer->parts.size(), static_cast<std::size_t>(answer->touches));
+}
+
+// Who lets go and draws back is followed: the hand is not left about the object.
+TEST_F(LiveFollowing, GoesAwayAsTheDemonstratorDoes) {
+  for (const char* name : {"", "human20", "tendon16"}) {
+    const auto live = *name == '\0' ? follower() : followerOf(handOfLibrary(name));
+    std::optional<LiveFollower::Answer> answer;
+    int k = 0;
+    const auto show = [&](double bend_rad, double away_m) {
+      answer = live->follow(grip(k++ / 60.0, bend_rad, away_m), Progress());
+    };
+    const auto root_O = [&](double away_m) {
+      return (grip(0.0, 0.0, away_m).X_WO.inverse() * answer->pose.X_WH).translation().eval();
+    };
+    for (int i = 0; i < 120; ++i)
+      show(std::min(kBend_rad, 0.03 * i), 0.0);
+    ASSERT_TRUE(answer.has_value());
+    const Eigen::Vector3d held = root_O(0.0);
+    constexpr double kAway = 0.1;
+    for (int i = 0; i < 60; ++i)
+      show(std::max(0.2, kBend_rad - 0.03 * i), kAway * std::min(1.0, i / 40.0));
+    ASSERT_TRUE(answer.has_value());
+    EXPECT_EQ(answer->touches, 0);
+    // It touches yet for a part of the way.
+    EXPECT_GT((root_O(kAway) - held).norm(), 0.6 * kAway) << name;
+    EXPECT_LT((root_O(kAway) - held).norm(), 1.3 * kAway) << name;
+    // And back to it.
+    for (int i = 0; i < 150; ++i)
+      show(std::min(kBend_rad, 0.2 + 0.02 * i), kAway * std::max(0.0, 1.0 - i / 40.0));
+    ASSERT_TRUE(answer.has_value());
+    EXPECT_GT(answer->touches, 3);
+    EXPECT_LT((root_O(0.0) - held).norm(), 0.02) << name;
+  }
+}
+
+// Who lets go opens the hand before the last part leaves: it is not left as it held.
+TEST_F(LiveFollowing, OpensAsTheDemonstratorDoes) {
+  const auto live = follower();
+  std::optional<LiveFollower::Answer> answer;
+  int k = 0;
+  for (; k < 60; ++k)
+    answer = live->follow(grip(k / 60.0, std::min(0.9, 0.03 * k)), Progress());
+  ASSERT_TRUE(answer.has_value());
+  const Eigen::VectorXd held = answer->pose.q;
+  for (int i = 0; i < 120; ++i, ++k)
+    answer = live->follow(
+        grip(k / 60.0, std::max(0.1, 0.9 - 0.03 * i), 0.1 * std::min(1.0, i / 40.0)),
+        Progress());
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_EQ(answer->touches, 0);
+  EXPECT_GT((answer->pose.q - held).cwiseAbs().maxCoeff(), 0.4);
+}
+
+// Half a second later it stands as if it had never held anything.
+TEST_F(LiveFollowing, ForgetsHowItHeld) {
+  const hand::Hand hand = handOfLibrary("human20");
+  const auto live = followerOf(hand);
+  int k = 0;
+  for (; k < 140; ++k)
+    (void)live->follow(coming(k), Progress());
+  const auto leaving = [&](int i) {
+    return grip((k + i) / 60.0, std::max(0.1, kBend_rad - 0.03 * i),
+                0.3 * std::min(1.0, i / 40.0));
+  };
+  std::optional<LiveFollower::Answer> answer;
+  for (int i = 0; i < 120; ++i)
+    answer = live->follow(leaving(i), Progress());
+  const auto fresh = followerOf(hand)->follow(leaving(120), Progress());
+  ASSERT_TRUE(answer && fresh);
+  // Postures that follow each other leave joints a little aside of those that are looked for.
+  EXPECT_LT((answer->pose.q - fresh->pose.q).lpNorm<Eigen::Infinity>(), 0.15);
+  EXPECT_LT((answer->pose.X_WH.translation() - fresh->pose.X_WH.translation()).norm(), 0.003);
+}
+
+// As long as it is not known how the other hand moves.
+TEST_F(LiveFollowing, StaysOverTheObjectWhereOnlyTouchesAreTold) {
+  const auto live = follower();
+  manipulation::ContactTracker tracker(*grasp.ball);
+  std::optional<LiveFollower::Answer> answer;
+  Pose held;
+  for (int k = 0; k < 120; ++k) {
+    const DemonstratedFrame frame = grip(k / 60.0, std::min(0.9, 0.03 * k));
+    const auto touches =
+        k < 60 ? tracker.see(frame) : std::vector<manipulation::DetectedContact>();
+    answer = live->follow(frame.time_s, frame.X_WO, touches, {manipulation::postureOf(frame)},
+                          Progress());
+    if (k == 59) held = answer->pose.X_WH;
+  }
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_LT((answer->pose.X_WH.translation() - held.translation()).norm(), 0.02);
+}
+
+}  // namespace
+}  // namespace handgraft::retargeting
