@@ -137,8 +137,10 @@ class TouchTracks {
     const auto k = static_cast<int>(motion_.time_s.size());
     motion_.time_s.push_back(frame.time_s);
     motion_.X_WO.push_back(frame.X_WO);
-    if (isDemonstratorDue(motion_, k))
-      motion_.demonstrator.push_back({k, palmOf(frame), postureOf(frame)});
+    if (isDemonstratorDue(motion_, k)) {
+      if (const std::optional<Pose> X_OD = palmOf(frame))
+        motion_.demonstrator.push_back({k, *X_OD, postureOf(frame)});
+    }
     std::vector<char> is_touching(open_.size(), 0);
     for (const DetectedContact& touch : touches) {
       is_touching[static_cast<std::size_t>(touch.part)] = 1;
@@ -309,7 +311,7 @@ std::vector<double> depthsOfJoints(const std::vector<DemonstratedFrame>& frames,
   return depths;
 }
 
-Pose palmOf(const DemonstratedFrame& frame) {
+std::optional<Pose> palmOf(const DemonstratedFrame& frame) {
   constexpr int kMiddleKnuckle = 9;
   const Frame joints(frame);
   const Eigen::Vector3d along =
@@ -318,6 +320,7 @@ Pose palmOf(const DemonstratedFrame& frame) {
   Pose X_OD = Pose::Identity();
   X_OD.linear() << along, side, along.cross(side);
   X_OD.translation() = joints.joints_O.col(0);
+  if (!(std::abs(X_OD.linear().determinant() - 1.0) < 1e-6)) return std::nullopt;
   return X_OD;
 }
 

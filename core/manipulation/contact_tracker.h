@@ -75,8 +75,8 @@ std::vector<double> depthsOfJoints(const std::vector<DemonstratedFrame>& frames,
                                    const geometry::TriangleMesh& object_O);
 
 /// Where the palm of that hand is, in O: at the wrist, x towards the middle finger's knuckle, y
-/// along the row of knuckles towards the index finger.
-Pose palmOf(const DemonstratedFrame& frame);
+/// along the row of knuckles towards the index finger. Nothing where these lie in one line.
+std::optional<Pose> palmOf(const DemonstratedFrame& frame);
 
 /// How a demonstrator's hand is held over the object, touching or not.
 struct ShownHand {

@@ -175,14 +175,12 @@ std::optional<hand::HandPose> LiveFollower::comeNear(const manipulation::ShownHa
 /// Keeps where both hands are while something touches; else where this one goes.
 std::optional<hand::HandPose> LiveFollower::leaveFor(const manipulation::ShownHand& shown) {
   if (!shown.X_OD) return std::nullopt;
-  const bool touches = grasp_.isTouching();
-  const std::size_t seen = grasp_.seen().size();
-  if (touches) touched_s_ = *last_s_;
-  // Who lets go has opened the hand already where the last part leaves.
-  most_seen_ = touches ? std::max(most_seen_, seen) : 0;
-  if (touches && 2 * seen >= most_seen_)
+  if (grasp_.isTouching()) {
+    touched_s_ = *last_s_;
     along_.emplace(*shown.X_OD, shown.posture, *grasp_.pose_O);
-  if (touches || !along_) return std::nullopt;
+    return std::nullopt;
+  }
+  if (!along_) return std::nullopt;
   const manipulation::MotionProblem& problem = setting_->problem;
   const hand::HandPose as_held_O =
       along_->goal(setting_->hand, *shown.X_OD, shown.posture, problem.lower, problem.upper);

@@ -130,7 +130,6 @@ class LiveFollower {
   std::optional<LiveApproach> approach_;
   std::optional<GoingAlong> along_;
   double touched_s_ = 0.0;      ///< when something did last
-  std::size_t most_seen_ = 0;   ///< touches, since something touches
   std::optional<LiveWay> way_;  // to a better pose that was found far from the hand
   std::optional<Looking> looking_;
 };

@@ -190,7 +190,7 @@ TEST(MotionOfDemonstration, TracksBeginAndEndWithTheTouch) {
   ASSERT_EQ(motion.demonstrator.size(), 20u) << "each 40 ms, of 60 frames a second: 50 ms";
   for (const DemonstratorKey& key : motion.demonstrator) {
     const DemonstratedFrame& frame = frames[static_cast<std::size_t>(key.frame)];
-    EXPECT_TRUE(key.X_OD.isApprox(palmOf(frame), 1e-9));
+    EXPECT_TRUE(key.X_OD.isApprox(palmOf(frame).value(), 1e-9));
     EXPECT_EQ(key.posture.size(), postureOf(frame).size());
   }
   ASSERT_GT(motion.tracks.size(), 5u);
@@ -200,6 +200,22 @@ TEST(MotionOfDemonstration, TracksBeginAndEndWithTheTouch) {
     EXPECT_TRUE(track.keys.front().patch.place.has_value());
     EXPECT_GT(track.keys.size(), 3u) << "it slides";
   }
+}
+
+// Knuckles in one line tell no palm: such a hand touches, but nothing goes as it goes.
+TEST(MotionOfDemonstration, AHandWithoutAPalmIsNoDemonstratorOfWays) {
+  const geometry::TriangleMesh table = slab(0.0);
+  std::vector<DemonstratedFrame> frames;
+  for (int k = 0; k < 60; ++k) {
+    DemonstratedFrame frame = frameOf(ManoPose::Zero(), k / 60.0);
+    for (int joint = 1; joint < 21; ++joint)
+      frame.joints_W.col(joint).tail<2>() = frame.joints_W.col(0).tail<2>();
+    frame.X_WO.translation().y() = frame.joints_W(1, 0) - 0.005;
+    frames.push_back(frame);
+  }
+  EXPECT_FALSE(palmOf(frames.front()));
+  EXPECT_FALSE(shownBy(frames.front()).X_OD);
+  EXPECT_TRUE(motionOfDemonstration(frames, table).demonstrator.empty());
 }
 
 // A hand that rests is one grasp, however its joints are measured.

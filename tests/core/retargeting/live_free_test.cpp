@@ -31,6 +31,12 @@ DemonstratedFrame coming(int k) {
   return grip(k / 60.0, bend_rad, 0.3 * (1.0 - way));
 }
 
+/// From `k` on it draws back while it opens.
+DemonstratedFrame leaving(int k, int i) {
+  return grip((k + i) / 60.0, std::max(0.1, kBend_rad - 0.03 * i),
+              0.3 * std::min(1.0, i / 60.0));
+}
+
 // From the first frame on, long before anything touches.
 TEST_F(LiveFollowing, ComesNearAsTheDemonstratorDoes) {
   for (const char* name : {"human20", "tendon16", "barrett8"}) {
@@ -69,15 +75,16 @@ TEST_F(LiveFollowing, ComesNearTurnedAsTheDemonstratorsHand) {
 }
 
 // Searches run beside the frames, which are answered as if there were none; nothing jumps.
-TEST_F(LiveFollowing, BeginsWithoutAJumpAndIsTheSameAgain) {
+TEST_F(LiveFollowing, BeginsAndEndsWithoutAJumpAndIsTheSameAgain) {
   const hand::Hand hand = handOfLibrary("human20");
   std::vector<Eigen::VectorXd> ways[2];
   for (std::vector<Eigen::VectorXd>& way : ways) {
     const auto live = followerOf(hand);
     std::optional<hand::HandPose> before_O;
     int held = 0;
-    for (int k = 0; k < 150; ++k) {
-      const DemonstratedFrame frame = coming(k);
+    constexpr int kHeld = 150;
+    for (int k = 0; k < 250; ++k) {
+      const DemonstratedFrame frame = k < kHeld ? coming(k) : leaving(kHeld, k - kHeld);
       const auto answer = live->follow(frame, Progress());
       ASSERT_TRUE(answer) << k;
       const hand::HandPose now_O{inverse(frame.X_WO) * answer->pose.X_WH, answer->pose.q};
@@ -88,7 +95,7 @@ TEST_F(LiveFollowing, BeginsWithoutAJumpAndIsTheSameAgain) {
       EXPECT_LT(answer->depths.object_m, 0.002) << k;
       before_O = now_O;
       way.push_back(answer->pose.q);
-      held = answer->touches;
+      held = std::max(held, answer->touches);
     }
     EXPECT_GT(held, 5);
   }
@@ -164,14 +171,10 @@ TEST_F(LiveFollowing, ForgetsHowItHeld) {
   int k = 0;
   for (; k < 140; ++k)
     (void)live->follow(coming(k), Progress());
-  const auto leaving = [&](int i) {
-    return grip((k + i) / 60.0, std::max(0.1, kBend_rad - 0.03 * i),
-                0.3 * std::min(1.0, i / 40.0));
-  };
   std::optional<LiveFollower::Answer> answer;
   for (int i = 0; i < 120; ++i)
-    answer = live->follow(leaving(i), Progress());
-  const auto fresh = followerOf(hand)->follow(leaving(120), Progress());
+    answer = live->follow(leaving(k, i), Progress());
+  const auto fresh = followerOf(hand)->follow(leaving(k, 120), Progress());
   ASSERT_TRUE(answer && fresh);
   // Postures that follow each other leave joints a little aside of those that are looked for.
   EXPECT_LT((answer->pose.q - fresh->pose.q).lpNorm<Eigen::Infinity>(), 0.15);
