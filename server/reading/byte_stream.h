@@ -124,6 +124,18 @@ class ByteReader {
     return matrix;
   }
 
+  Eigen::Vector3d point() {
+    Eigen::Vector3d p;
+    for (double& coordinate : p)
+      coordinate = finite();
+    return p;
+  }
+
+  /// That what came is as it should be.
+  static void require(bool fine, const char* what) {
+    if (!fine) fail(what);
+  }
+
   void requireEnd() const {
     if (!left_.empty()) fail("more than it should hold");
   }

@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "server/reading/packed_contacts.h"
+#include "server/reading/packed_motion.h"
 #include "server/reading/packed_parts.h"
 #include "server/reading/packed_trajectory.h"
 

@@ -1,21 +1,18 @@
 #pragma once
 
-#include <optional>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "core/contact/contact_map.h"
-#include "core/contact/contact_set.h"
 #include "core/hand/contact_site.h"
 #include "core/hand/hand_model.h"
 #include "core/hand/named_pose.h"
 #include "core/io/mesh_file.h"
-#include "core/manipulation/motion.h"
 #include "server/reading/byte_stream.h"
 
-/// The parts of what is read, as bytes and back. What comes back keeps the promises of its
+/// Hands, meshes and lists as bytes and back. What comes back keeps the promises of its
 /// type, whatever the bytes were. Errors: InvalidInput.
 namespace handgraft::server {
 
@@ -27,9 +24,6 @@ void put(ByteWriter& out, const hand::HandModel& model);
 void put(ByteWriter& out, const std::vector<hand::ContactSite>& sites);
 void put(ByteWriter& out, const std::vector<hand::NamedPose>& poses);
 void put(ByteWriter& out, const io::MeshFile& file);
-void put(ByteWriter& out, const contact::ContactSet& set);
-void put(ByteWriter& out, const contact::ContactMap& map);
-void put(ByteWriter& out, const manipulation::Motion& motion);
 
 std::vector<std::string> takeTexts(ByteReader& in);
 Eigen::VectorXd takeVector(ByteReader& in, std::size_t most);
@@ -39,14 +33,10 @@ hand::HandModel takeHandModel(ByteReader& in);
 std::vector<hand::ContactSite> takeSites(ByteReader& in, const hand::HandModel& model);
 std::vector<hand::NamedPose> takePoses(ByteReader& in, const hand::HandModel& model);
 io::MeshFile takeMeshFile(ByteReader& in);
-/// On `mesh_O`.
-contact::ContactSet takeContactSet(ByteReader& in, const geometry::TriangleMesh& mesh_O);
-contact::ContactMap takeContactMap(ByteReader& in);
-/// On `mesh_O`.
-manipulation::Motion takeMotion(ByteReader& in, const geometry::TriangleMesh& mesh_O);
 
 /// Most links, shapes, joints, notes or texts of one list: what files of the permitted sizes
 /// can hold, and little enough that a claim of so many takes no memory to speak of.
 inline constexpr std::size_t kMostThings = 200'000;
+inline constexpr std::size_t kCountSize = sizeof(std::uint64_t);
 
 }  // namespace handgraft::server
