@@ -30,6 +30,16 @@ void forwardKinematics(const HandModel& model,
   }
 }
 
+std::vector<std::vector<int>> dofsMoving(const HandModel& model) {
+  std::vector<std::vector<int>> dofs(static_cast<std::size_t>(model.linkCount()));
+  for (const HandModel::Node& node : model.nodes()) {
+    std::vector<int>& own = dofs[static_cast<std::size_t>(node.link)];
+    own = dofs[static_cast<std::size_t>(node.parent_link)];
+    if (node.dof >= 0) own.push_back(node.dof);
+  }
+  return dofs;
+}
+
 Eigen::Matrix<double, 6, Eigen::Dynamic> pointJacobian(const HandModel& model,
                                                        const LinkPoses& X_AL,
                                                        int link,

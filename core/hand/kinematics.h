@@ -34,6 +34,9 @@ inline LinkPoses forwardKinematics(const HandModel& model, const HandPose& pose)
   return X_WL;
 }
 
+/// The independent joints that move each link, by link. Cost: O(links x depth).
+std::vector<std::vector<int>> dofsMoving(const HandModel& model);
+
 /// Geometric Jacobian of a point fixed to a link, by the dofs (mimic joints by the chain rule).
 ///
 /// Shapes: 6 x dofCount(): rows 0-2 angular velocity of the link, rows 3-5 velocity of the

@@ -18,6 +18,8 @@ namespace {
 constexpr double kWayWeight = 4.0;
 // Of a link of a hand that comes near while the first parts touch: so that these hold it.
 constexpr double kNearWeight = 0.1;
+// Of a joint that holds nothing, to be as it is shown, beside what keeps it smooth.
+constexpr double kShownShare = 0.03;
 constexpr double kForgets = 0.5;         // s, in which a hand forgets how it held
 constexpr double kSlideTime = 0.05;      // s
 constexpr double kLongestStep = 0.0125;  // s
@@ -173,7 +175,8 @@ std::optional<hand::HandPose> LiveFollower::comeNear(const manipulation::ShownHa
 }
 
 /// Keeps where both hands are while something touches; else where this one goes.
-std::optional<hand::HandPose> LiveFollower::leaveFor(const manipulation::ShownHand& shown) {
+std::optional<hand::HandPose> LiveFollower::leaveFor(
+    const manipulation::ShownHand& shown, const std::optional<hand::HandPose>& near_O) {
   if (!shown.X_OD) return std::nullopt;
   if (grasp_.isTouching()) {
     touched_s_ = *last_s_;
@@ -184,7 +187,6 @@ std::optional<hand::HandPose> LiveFollower::leaveFor(const manipulation::ShownHa
   const manipulation::MotionProblem& problem = setting_->problem;
   const hand::HandPose as_held_O =
       along_->goal(setting_->hand, *shown.X_OD, shown.posture, problem.lower, problem.upper);
-  const auto near_O = comeNear(shown);
   if (!near_O) return as_held_O;
   const double share = std::clamp((*last_s_ - touched_s_) / kForgets, 0.0, 1.0);
   if (share == 1.0) {
@@ -195,14 +197,30 @@ std::optional<hand::HandPose> LiveFollower::leaveFor(const manipulation::ShownHa
   return manipulation::poseBetween(as_held_O, *near_O, share * share * (3.0 - 2.0 * share));
 }
 
+/// What touches nothing stands as it does near the object.
+optimize::PoseProblem LiveFollower::problemHolding(
+    const std::optional<hand::HandPose>& near_O) const {
+  optimize::PoseProblem single = grasp_.problem();
+  if (!near_O || !(single.weights.prior > 0.0)) return single;
+  const double weight = kShownShare * setting_->options.smoothness / single.weights.prior;
+  const std::vector<char> hold = grasp_.holdingJoints();
+  for (Eigen::Index joint = 0; joint < near_O->q.size(); ++joint) {
+    if (hold[static_cast<std::size_t>(joint)] != 0) continue;
+    single.prior.q[joint] = near_O->q[joint];
+    single.prior_weights[6 + joint] = weight;
+  }
+  return single;
+}
+
 optimize::PoseProblem LiveFollower::problemTo(const hand::HandPose& goal_O) const {
   const hand::HandModel& model = *setting_->hand.model;
-  optimize::PoseProblem single = grasp_.problem();
   if (!has_begun_ && grasp_.isTouching()) {
+    optimize::PoseProblem single = problemHolding(goal_O);
     const auto pull = pairsTo(model, goal_O, kNearWeight);
     single.pairs.insert(single.pairs.end(), pull.begin(), pull.end());
     return single;
   }
+  optimize::PoseProblem single = grasp_.problem();
   // What is inside would keep the hand there.
   if (has_begun_ && depth_ > kDeep) single.avoidance = {};
   single.pairs = pairsTo(model, goal_O, kWayWeight);
@@ -239,7 +257,8 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
     begin(time_s, begins || paused, shown, progress);
   else if (!paused)
     lookAnew(time_s, step_s, shown, progress);
-  const std::optional<hand::HandPose> free_O = has_begun_ ? leaveFor(shown) : comeNear(shown);
+  const std::optional<hand::HandPose> near_O = comeNear(shown);
+  const std::optional<hand::HandPose> free_O = has_begun_ ? leaveFor(shown, near_O) : near_O;
   if (!has_begun_ && !free_O) return std::nullopt;
   // Of frames that are far apart in several steps: places follow the hand, and it them.
   const int steps =
@@ -251,7 +270,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
     if (way_ && now_s > way_->end()) way_.reset();
     step = solver_.follow(now_s, way_     ? problemTo(way_->at(now_s))
                                  : free_O ? problemTo(*free_O)
-                                          : grasp_.problem());
+                                          : problemHolding(near_O));
     grasp_.pose_O = step.pose;
     if (!way_) grasp_.slide(1.0 - std::exp(-std::max(0.0, step_s) / steps / kSlideTime));
   }

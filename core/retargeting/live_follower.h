@@ -115,7 +115,10 @@ class LiveFollower {
                 const manipulation::ShownHand& shown,
                 const Progress& progress);
   std::optional<hand::HandPose> comeNear(const manipulation::ShownHand& shown);
-  std::optional<hand::HandPose> leaveFor(const manipulation::ShownHand& shown);
+  std::optional<hand::HandPose> leaveFor(const manipulation::ShownHand& shown,
+                                         const std::optional<hand::HandPose>& near_O);
+  [[nodiscard]] optimize::PoseProblem problemHolding(
+      const std::optional<hand::HandPose>& near_O) const;
   [[nodiscard]] optimize::PoseProblem problemTo(const hand::HandPose& goal_O) const;
   std::shared_ptr<const LiveSetting> setting_;
   manipulation::ContactTracker tracker_;

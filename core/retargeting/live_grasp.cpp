@@ -41,7 +41,8 @@ LiveSetting::LiveSetting(const session::Document& document,
       problem(motionProblemOf(document, hand, {0.0}, motionSolving(true))),
       options(motionSolving(true).options),
       faces(placement::facesOf(hand.skin)),
-      middle_O(object_O->vertices().rowwise().mean()) {
+      middle_O(object_O->vertices().rowwise().mean()),
+      dofs_moving(hand::dofsMoving(*hand.model)) {
   placement::makeSolids(hand, object_O, progress);
   if (!document.solving.avoids()) return;
   problem.avoidance =
@@ -146,6 +147,16 @@ std::vector<std::string> LiveGrasp::touchingDigits() const {
   for (const manipulation::DetectedContact& touch : seen_)
     if (touch.place.digit != hand::kPalmPart) digits.push_back(touch.place.digit);
   return session::inOrder(std::move(digits));
+}
+
+std::vector<char> LiveGrasp::holdingJoints() const {
+  std::vector<char> hold(static_cast<std::size_t>(setting_->hand.model->dofCount()), 0);
+  for (const TouchingPart& part : parts_) {
+    if (!part.meant || part.presence <= 0.0) continue;
+    for (const int dof : setting_->dofs_moving[static_cast<std::size_t>(part.meant->link)])
+      hold[static_cast<std::size_t>(dof)] = 1;
+  }
+  return hold;
 }
 
 int LiveGrasp::partsTouching() const {

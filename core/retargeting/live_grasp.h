@@ -35,7 +35,8 @@ struct LiveSetting {
   manipulation::MotionProblem problem;
   manipulation::MotionOptions options;
   std::shared_ptr<const placement::SkinFaces> faces;
-  Eigen::Vector3d middle_O;  ///< of the object
+  Eigen::Vector3d middle_O;                   ///< of the object
+  std::vector<std::vector<int>> dofs_moving;  ///< each link
 };
 
 /// How a hand in a pose shows what a demonstrator touches: which of its fingers each touch has,
@@ -85,6 +86,8 @@ class LiveGrasp {
   [[nodiscard]] bool isTouching() const;
   /// Of the demonstrator, thumb to little.
   [[nodiscard]] std::vector<std::string> touchingDigits() const;
+  /// Of each joint, whether it moves a part that shows a touch.
+  [[nodiscard]] std::vector<char> holdingJoints() const;
   /// Digits, and the palm.
   [[nodiscard]] int partsTouching() const;
 

@@ -51,17 +51,6 @@ std::vector<Nearest> nearestHolds(const std::vector<double>& held) {
   return nearest;
 }
 
-/// Degrees of freedom that move a link.
-std::vector<std::vector<int>> dofsMoving(const hand::HandModel& model) {
-  std::vector<std::vector<int>> dofs(static_cast<std::size_t>(model.linkCount()));
-  for (const hand::HandModel::Node& node : model.nodes()) {
-    std::vector<int>& own = dofs[static_cast<std::size_t>(node.link)];
-    own = dofs[static_cast<std::size_t>(node.parent_link)];
-    if (node.dof >= 0) own.push_back(node.dof);
-  }
-  return dofs;
-}
-
 /// How much of each frame something holds the hand, and each of its joints; in [0, 1].
 struct Holds {
   /// All of it where enough patches are there: what grazes holds no hand.
@@ -73,7 +62,7 @@ struct Holds {
 Holds holdsOf(const MotionProblem& problem, const manipulation::Fade& fade) {
   const auto count = problem.time_s.size();
   const auto dof_count = static_cast<std::size_t>(problem.model->dofCount());
-  const std::vector<std::vector<int>> dofs = dofsMoving(*problem.model);
+  const std::vector<std::vector<int>> dofs = hand::dofsMoving(*problem.model);
   Holds holds{std::vector<double>(count, 0.0), std::vector<double>(count, 0.0),
               std::vector<std::vector<double>>(dof_count, std::vector<double>(count, 0.0))};
   const FrameProblems frames(problem, fade);

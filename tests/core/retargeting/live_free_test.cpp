@@ -164,6 +164,28 @@ TEST_F(LiveFollowing, OpensAsTheDemonstratorDoes) {
   EXPECT_GT((answer->pose.q - held).cwiseAbs().maxCoeff(), 0.4);
 }
 
+// A finger that touches nothing while others hold stands as it is shown: closed here, for what
+// is relaxed is a third of the way.
+TEST_F(LiveFollowing, WhatTouchesNothingStandsAsItIsShown) {
+  const hand::Hand hand = handOfLibrary("human20");
+  const auto live = followerOf(hand);
+  manipulation::ContactTracker tracker(*grasp.ball);
+  std::optional<LiveFollower::Answer> answer;
+  for (int k = 0; k < 200; ++k) {
+    DemonstratedFrame frame = coming(k);
+    std::vector<manipulation::DetectedContact> touches = tracker.see(frame);
+    std::erase_if(touches, [](const manipulation::DetectedContact& touch) {
+      return touch.place.digit == "little";
+    });
+    answer = live->follow(frame.time_s, frame.X_WO, touches, manipulation::shownBy(frame),
+                          Progress());
+  }
+  ASSERT_TRUE(answer);
+  ASSERT_GT(answer->touches, 3);
+  const int tip = hand.model->dofIndex("little_pip_flex");
+  EXPECT_NEAR(answer->pose.q[tip], kBend_rad, 0.2);
+}
+
 // Half a second later it stands as if it had never held anything.
 TEST_F(LiveFollowing, ForgetsHowItHeld) {
   const hand::Hand hand = handOfLibrary("human20");
