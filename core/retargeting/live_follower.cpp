@@ -183,6 +183,7 @@ std::optional<hand::HandPose> LiveFollower::leaveFor(
     along_.emplace(*shown.X_OD, shown.posture, *grasp_.pose_O);
     return std::nullopt;
   }
+  way_.reset();  // it leads to what is held no more
   if (!along_) return std::nullopt;
   const manipulation::MotionProblem& problem = setting_->problem;
   const hand::HandPose as_held_O =
@@ -192,6 +193,7 @@ std::optional<hand::HandPose> LiveFollower::leaveFor(
   if (share == 1.0) {
     has_begun_ = false;
     along_.reset();
+    looking_.reset();
     grasp_.letGo();
   }
   return manipulation::poseBetween(as_held_O, *near_O, share * share * (3.0 - 2.0 * share));
@@ -251,6 +253,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
     way_.reset();
     if (grasp_.pose_O) solver_.begin(*grasp_.pose_O);
     searches_.beginAnew(time_s);
+    touched_s_ = time_s;
   }
   const bool begins = !grasp_.pose_O;
   if (!has_begun_)

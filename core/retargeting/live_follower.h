@@ -120,6 +120,7 @@ class LiveFollower {
   [[nodiscard]] optimize::PoseProblem problemHolding(
       const std::optional<hand::HandPose>& near_O) const;
   [[nodiscard]] optimize::PoseProblem problemTo(const hand::HandPose& goal_O) const;
+
   std::shared_ptr<const LiveSetting> setting_;
   manipulation::ContactTracker tracker_;
   manipulation::CausalSolver solver_;
@@ -132,7 +133,7 @@ class LiveFollower {
   LiveSearches searches_;
   std::optional<LiveApproach> approach_;
   std::optional<GoingAlong> along_;
-  double touched_s_ = 0.0;      ///< when something did last
+  double touched_s_ = 0.0;      // when something did last
   std::optional<LiveWay> way_;  // to a better pose that was found far from the hand
   std::optional<Looking> looking_;
 };

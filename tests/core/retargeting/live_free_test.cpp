@@ -203,6 +203,26 @@ TEST_F(LiveFollowing, ForgetsHowItHeld) {
   EXPECT_LT((answer->pose.X_WH.translation() - fresh->pose.X_WH.translation()).norm(), 0.003);
 }
 
+// A clock that begins anew while the hand lets go does not hold it back.
+TEST_F(LiveFollowing, LetsGoThoughTheClockBeginsAnew) {
+  const hand::Hand hand = handOfLibrary("human20");
+  const auto live = followerOf(hand);
+  for (int k = 0; k < 140; ++k)
+    (void)live->follow(coming(k), Progress());
+  std::optional<LiveFollower::Answer> answer;
+  DemonstratedFrame frame;
+  for (int i = 0; i < 60; ++i) {
+    frame = leaving(0, i + 40);
+    frame.time_s = i / 60.0;
+    answer = live->follow(frame, Progress());
+  }
+  ASSERT_TRUE(answer);
+  frame.time_s = 0.0;
+  const auto fresh = followerOf(hand)->follow(frame, Progress());
+  ASSERT_TRUE(fresh);
+  EXPECT_LT((answer->pose.X_WH.translation() - fresh->pose.X_WH.translation()).norm(), 0.005);
+}
+
 // As long as it is not known how the other hand moves.
 TEST_F(LiveFollowing, StaysOverTheObjectWhereOnlyTouchesAreTold) {
   const auto live = follower();
