@@ -174,17 +174,19 @@ std::optional<hand::HandPose> LiveFollower::comeNear(const manipulation::ShownHa
   return goal_O;
 }
 
-/// Keeps where both hands are while something touches; else where this one goes.
-std::optional<hand::HandPose> LiveFollower::leaveFor(
+/// Where the hand goes if nothing holds it, and near the object before it has begun.
+std::optional<hand::HandPose> LiveFollower::freeGoal(
     const manipulation::ShownHand& shown, const std::optional<hand::HandPose>& near_O) {
-  if (!shown.X_OD) return std::nullopt;
+  const std::optional<hand::HandPose> unless_held =
+      has_begun_ ? std::optional<hand::HandPose>() : near_O;
+  if (!shown.X_OD || !grasp_.pose_O) return unless_held;
   if (grasp_.isTouching()) {
     touched_s_ = *last_s_;
     along_.emplace(*shown.X_OD, shown.posture, *grasp_.pose_O);
-    return std::nullopt;
+    return unless_held;
   }
   way_.reset();  // it leads to what is held no more
-  if (!along_) return std::nullopt;
+  if (!along_) return unless_held;
   const manipulation::MotionProblem& problem = setting_->problem;
   const hand::HandPose as_held_O =
       along_->goal(setting_->hand, *shown.X_OD, shown.posture, problem.lower, problem.upper);
@@ -261,7 +263,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   else if (!paused)
     lookAnew(time_s, step_s, shown, progress);
   const std::optional<hand::HandPose> near_O = comeNear(shown);
-  const std::optional<hand::HandPose> free_O = has_begun_ ? leaveFor(shown, near_O) : near_O;
+  const std::optional<hand::HandPose> free_O = freeGoal(shown, near_O);
   if (!has_begun_ && !free_O) return std::nullopt;
   // Of frames that are far apart in several steps: places follow the hand, and it them.
   const int steps =

@@ -115,7 +115,7 @@ class LiveFollower {
                 const manipulation::ShownHand& shown,
                 const Progress& progress);
   std::optional<hand::HandPose> comeNear(const manipulation::ShownHand& shown);
-  std::optional<hand::HandPose> leaveFor(const manipulation::ShownHand& shown,
+  std::optional<hand::HandPose> freeGoal(const manipulation::ShownHand& shown,
                                          const std::optional<hand::HandPose>& near_O);
   [[nodiscard]] optimize::PoseProblem problemHolding(
       const std::optional<hand::HandPose>& near_O) const;

@@ -203,6 +203,35 @@ TEST_F(LiveFollowing, ForgetsHowItHeld) {
   EXPECT_LT((answer->pose.X_WH.translation() - fresh->pose.X_WH.translation()).norm(), 0.003);
 }
 
+// One part that touches for a moment holds the hand back a little; it catches up without a
+// step.
+TEST_F(LiveFollowing, WhatGrazesIsLeftWithoutAStep) {
+  const hand::Hand hand = handOfLibrary("human20");
+  const auto live = followerOf(hand);
+  manipulation::ContactTracker tracker(*grasp.ball);
+  const std::vector<manipulation::DetectedContact> all = tracker.see(coming(160));
+  const auto tip = std::find_if(all.begin(), all.end(), [](const auto& touch) {
+    return touch.place.digit == "middle";
+  });
+  ASSERT_NE(tip, all.end());
+  std::optional<hand::HandPose> before_O;
+  for (int k = 0; k < 90; ++k) {
+    // Past the ball, 6 mm a frame.
+    DemonstratedFrame frame = grip(k / 60.0, kBend_rad, 0.0);
+    frame.X_WO.translation().x() += 0.006 * (45 - k);
+    std::vector<manipulation::DetectedContact> touches;
+    if (k > 40 && k < 48) touches.push_back(*tip);
+    const auto answer = live->follow(frame.time_s, frame.X_WO, touches,
+                                     manipulation::shownBy(frame), Progress());
+    ASSERT_TRUE(answer);
+    const hand::HandPose now_O{inverse(frame.X_WO) * answer->pose.X_WH, answer->pose.q};
+    if (before_O && k > 2) {
+      EXPECT_LT((now_O.X_WH.translation() - before_O->X_WH.translation()).norm(), 0.014) << k;
+    }
+    before_O = now_O;
+  }
+}
+
 // A clock that begins anew while the hand lets go does not hold it back.
 TEST_F(LiveFollowing, LetsGoThoughTheClockBeginsAnew) {
   const hand::Hand hand = handOfLibrary("human20");
