@@ -146,7 +146,7 @@ int run(const MotionFollowOptions& options,
           of_any.scale * answers.largestSpeed(), of_any.name);
     }
     if (answers.touching() == 0)
-      fmt::print("the demonstrator touches the object in none of them\n");
+      fmt::print("in none of them does a part of the hand show a touch\n");
     if (refusals.count > 0)
       fmt::print("frames were refused {} time{}, first at {:.2f} s: {}\n", refusals.count,
                  refusals.count == 1 ? "" : "s", refusals.first_s, *refusal);
