@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/base/smooth_step.h"
 #include "core/manipulation/patch_path.h"
 
 namespace handgraft::manipulation {
@@ -125,7 +126,7 @@ Motion interpolateGrasps(const geometry::TriangleMesh& object_O,
                          std::max(1e-9, options.slide_end - options.slide_begin),
                      0.0, 1.0);
       if (share == 0.0) continue;
-      const double smooth = share * share * (3.0 - 2.0 * share);
+      const double smooth = smoothStep(share);
       Patch moved = way.at(smooth);
       moved.place = placeBetween(patch, *other, smooth);
       track.keys.push_back({k, std::move(moved), {}, {}});

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/smooth_step.h"
 
 namespace handgraft::manipulation {
 
@@ -13,12 +14,6 @@ namespace {
 
 constexpr int kFewestAtOnce = 16;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// 0 to 1 without a bend at its ends.
-double smoothStep(double x) {
-  const double t = std::clamp(x, 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
 
 /// The span that holds at a frame, the nearest one where the track is not there.
 const PairSpan& spanAt(const PairTrack& track, int frame) {

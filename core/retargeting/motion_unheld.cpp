@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/smooth_step.h"
 #include "core/contact/contact_set.h"
 #include "core/manipulation/trajectory.h"
 #include "core/placement/posture_finding.h"
@@ -131,9 +132,8 @@ class Unheld {
 
   /// Of the way from one hold to the next, without a bend at its ends.
   [[nodiscard]] double shareAt(int frame, const Nearest& of) const {
-    const double t =
-        (timeOf(frame) - timeOf(of.before)) / (timeOf(of.behind) - timeOf(of.before));
-    return t * t * (3.0 - 2.0 * t);
+    return smoothStep((timeOf(frame) - timeOf(of.before)) /
+                      (timeOf(of.behind) - timeOf(of.before)));
   }
 
   /// Where the hand goes in frames without contact; in others as it is.
@@ -213,8 +213,8 @@ class Unheld {
         const auto along = [&](int from) {
           const double differs =
               poses_[static_cast<std::size_t>(from)].q[joint] - looksAt(from, joint);
-          const double t = std::min(1.0, std::abs(timeOf(frame) - timeOf(from)) / kForgets);
-          return looks + (1.0 - t * t * (3.0 - 2.0 * t)) * differs;
+          const double ago = std::abs(timeOf(frame) - timeOf(from)) / kForgets;
+          return looks + (1.0 - smoothStep(ago)) * differs;
         };
         const Nearest& of = nearest[k];
         const double goal =

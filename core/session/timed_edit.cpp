@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/smooth_step.h"
 #include "core/contact/contact_set.h"
 #include "core/manipulation/motion.h"
 #include "core/session/edit_checks.h"
@@ -140,8 +141,7 @@ struct ChangeCheck {
 double influenceOf(const TimedEdit& edit, double time_s) {
   const double away = std::abs(time_s - edit.when.time_s);
   if (!(away < edit.when.falloff_s)) return away == 0.0 ? 1.0 : 0.0;
-  const double t = 1.0 - away / edit.when.falloff_s;
-  return t * t * (3.0 - 2.0 * t);
+  return smoothStep(1.0 - away / edit.when.falloff_s);
 }
 
 int frameNearest(const std::vector<double>& time_s, double at_s) {
