@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/smooth_step.h"
 #include "core/manipulation/trajectory.h"
 #include "core/optimize/diagnosis.h"
 #include "core/placement/solids.h"
@@ -21,6 +22,7 @@ constexpr double kNearWeight = 0.1;
 // Of a joint that holds nothing, to be as it is shown, beside what keeps it smooth.
 constexpr double kShownShare = 0.03;
 constexpr double kForgets = 0.5;         // s, in which a hand forgets how it held
+constexpr double kCatchesUp = 0.5;       // s, with a demonstrator who was not seen for a while
 constexpr double kSlideTime = 0.05;      // s
 constexpr double kLongestStep = 0.0125;  // s
 constexpr double kSearchTime = 0.15;     // s; twice what most searches take
@@ -133,7 +135,7 @@ void LiveFollower::lookAnew(double time_s,
   searches_.see(step_s, is_lost, is_unserved);
   if (!is_chosen) searches_.touchesChanged();
   if (!looking_) {
-    if (!way_ && searches_.isDue(time_s)) look(time_s, !is_chosen, shown);
+    if (!isLed(time_s) && searches_.isDue(time_s)) look(time_s, !is_chosen, shown);
     return;
   }
   if (time_s < looking_->due_s) return;
@@ -174,6 +176,15 @@ std::optional<hand::HandPose> LiveFollower::comeNear(const manipulation::ShownHa
   return goal_O;
 }
 
+/// Who was not seen for a while may be far from where this hand has waited.
+hand::HandPose LiveFollower::goingOn(const hand::HandPose& goal_O) {
+  if (!resumed_) return goal_O;
+  const double share = (*last_s_ - resumed_->time_s) / kCatchesUp;
+  const hand::HandPose from_O = resumed_->pose_O;
+  if (share >= 1.0) resumed_.reset();
+  return manipulation::poseBetween(from_O, goal_O, smoothStep(share));
+}
+
 /// Where the hand goes if nothing holds it, and near the object before it has begun.
 std::optional<hand::HandPose> LiveFollower::freeGoal(
     const manipulation::ShownHand& shown, const std::optional<hand::HandPose>& near_O) {
@@ -198,7 +209,7 @@ std::optional<hand::HandPose> LiveFollower::freeGoal(
     looking_.reset();
     grasp_.letGo();
   }
-  return manipulation::poseBetween(as_held_O, *near_O, share * share * (3.0 - 2.0 * share));
+  return manipulation::poseBetween(as_held_O, *near_O, smoothStep(share));
 }
 
 /// What touches nothing stands as it does near the object.
@@ -231,6 +242,23 @@ optimize::PoseProblem LiveFollower::problemTo(const hand::HandPose& goal_O) cons
   return single;
 }
 
+/// By the end of its way, `firmness` of what that held it: the rest what touches does.
+optimize::PoseProblem LiveFollower::problemLetGo(
+    double firmness, const std::optional<hand::HandPose>& near_O) const {
+  optimize::PoseProblem single = problemHolding(near_O);
+  for (optimize::PointPair& pair : single.pairs)
+    pair.weight *= 1.0 - firmness;
+  const auto pull =
+      pairsTo(*setting_->hand.model, way_->at(way_->end()), firmness * firmness * kWayWeight);
+  single.pairs.insert(single.pairs.end(), pull.begin(), pull.end());
+  return single;
+}
+
+/// Alone by its way: what touches has no say yet.
+bool LiveFollower::isLed(double time_s) const {
+  return way_ && time_s <= way_->end();
+}
+
 // === A frame
 
 std::optional<LiveFollower::Answer> LiveFollower::follow(
@@ -243,6 +271,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   const double step_s = last_s_ ? time_s - *last_s_ : 0.0;
   const bool paused = last_s_ && (step_s > kLivePause || step_s <= 0.0);
   last_s_ = time_s;
+  knows_how_held_ = shown.X_OD.has_value();
 
   // === Parts come and go
   const double fade_s = setting_->options.fade.seconds;
@@ -253,17 +282,23 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   if (paused) {
     looking_.reset();
     way_.reset();
-    if (grasp_.pose_O) solver_.begin(*grasp_.pose_O);
+    resumed_.reset();
+    if (grasp_.pose_O) {
+      solver_.begin(*grasp_.pose_O);
+      if (!paused_) resumed_ = Resumed{time_s, *grasp_.pose_O};
+    }
     searches_.beginAnew(time_s);
     touched_s_ = time_s;
   }
+  paused_ = paused;
   const bool begins = !grasp_.pose_O;
   if (!has_begun_)
     begin(time_s, begins || paused, shown, progress);
   else if (!paused)
     lookAnew(time_s, step_s, shown, progress);
   const std::optional<hand::HandPose> near_O = comeNear(shown);
-  const std::optional<hand::HandPose> free_O = freeGoal(shown, near_O);
+  std::optional<hand::HandPose> free_O = freeGoal(shown, near_O);
+  if (free_O) free_O = goingOn(*free_O);
   if (!has_begun_ && !free_O) return std::nullopt;
   // Of frames that are far apart in several steps: places follow the hand, and it them.
   const int steps =
@@ -272,17 +307,20 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   manipulation::CausalSolver::Step step;
   for (int i = steps - 1; i >= 0; --i) {
     const double now_s = time_s - i * step_s / steps;
-    if (way_ && now_s > way_->end()) way_.reset();
-    step = solver_.follow(now_s, way_     ? problemTo(way_->at(now_s))
+    const double firmness = way_ ? way_->firmness(now_s) : 0.0;
+    if (firmness == 0.0) way_.reset();
+    const bool is_led = isLed(now_s);
+    step = solver_.follow(now_s, is_led   ? problemTo(way_->at(now_s))
+                                 : way_   ? problemLetGo(firmness, near_O)
                                  : free_O ? problemTo(*free_O)
                                           : problemHolding(near_O));
     grasp_.pose_O = step.pose;
-    if (!way_) grasp_.slide(1.0 - std::exp(-std::max(0.0, step_s) / steps / kSlideTime));
+    if (!is_led) grasp_.slide(1.0 - std::exp(-std::max(0.0, step_s) / steps / kSlideTime));
   }
   Answer answer;
   answer.pose = {X_WO * step.pose.X_WH, step.pose.q};
   answer.touches = this->touches();
-  answer.is_on_its_way = way_.has_value();
+  answer.is_on_its_way = isLed(time_s);
   answer.objective = step.objective;
   answer.evaluations = step.evaluations;
   answer.parts = grasp_.fitsOf(touches, X_WO);

@@ -43,8 +43,9 @@ namespace handgraft::retargeting {
 /// that a hand without a pose, or frames farther apart, begins with is waited for.
 ///
 /// After a pause of 0.25 s, or where time has run backwards by as much, it goes on from where
-/// the hand is, at rest. One frame or two in which a joint jumps as no finger moves are passed
-/// over: what touched before them touches still. Deterministic. Cost: some tenths of a
+/// the hand is, at rest: one that holds nothing is where it is shown half a second later. One
+/// frame or two in which a joint jumps as no finger moves, or the wrist as no arm does, are
+/// passed over: what touched before them touches still. Deterministic. Cost: some tenths of a
 /// millisecond a frame, tens of milliseconds once.
 class LiveFollower {
  public:
@@ -90,6 +91,10 @@ class LiveFollower {
   /// Of the demonstrator's last frame.
   [[nodiscard]] int touches() const { return grasp_.touches(); }
 
+  /// Whether that frame told how the demonstrator's hand is held: not if its knuckles lie in
+  /// one line.
+  [[nodiscard]] bool knowsHowHeld() const { return knows_how_held_; }
+
  private:
   /// A search beside the frames; its answer is used at a set time, however long it took.
   struct Looking {
@@ -119,7 +124,11 @@ class LiveFollower {
                                          const std::optional<hand::HandPose>& near_O);
   [[nodiscard]] optimize::PoseProblem problemHolding(
       const std::optional<hand::HandPose>& near_O) const;
+  [[nodiscard]] optimize::PoseProblem problemLetGo(
+      double firmness, const std::optional<hand::HandPose>& near_O) const;
   [[nodiscard]] optimize::PoseProblem problemTo(const hand::HandPose& goal_O) const;
+  [[nodiscard]] bool isLed(double time_s) const;
+  hand::HandPose goingOn(const hand::HandPose& goal_O);
 
   std::shared_ptr<const LiveSetting> setting_;
   manipulation::ContactTracker tracker_;
@@ -129,10 +138,20 @@ class LiveFollower {
   std::optional<double> last_s_;
   double depth_ = 0.0;  // m, of the last answer in the object
   bool has_begun_ = false;
+  bool knows_how_held_ = false;
   LiveBeginning beginning_;
   LiveSearches searches_;
+
+  /// A hand that goes on behind a pause: when, and where it was. Frames: O.
+  struct Resumed {
+    double time_s;
+    hand::HandPose pose_O;
+  };
+
   std::optional<LiveApproach> approach_;
   std::optional<GoingAlong> along_;
+  std::optional<Resumed> resumed_;
+  bool paused_ = false;  // before the last frame: of frames that are all so far apart, each one
   double touched_s_ = 0.0;      // when something did last
   std::optional<LiveWay> way_;  // to a better pose that was found far from the hand
   std::optional<Looking> looking_;

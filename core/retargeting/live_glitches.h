@@ -7,8 +7,8 @@
 namespace handgraft::retargeting {
 
 /// Frames of a demonstrator's joints that no hand can have made: one of them farther from the
-/// wrist, within a frame, than it goes at 2.5 m/s, and 5 mm. Two in a row are passed over; what
-/// stays so for longer is where the hand is.
+/// wrist, within a frame, than it goes at 2.5 m/s, and 5 mm, or the wrist itself than at 10
+/// m/s, and 2 cm. Two in a row are passed over; what stays so for longer is where the hand is.
 class LiveGlitches {
  public:
   /// Of a frame that jumps, the last one that did not; null: this one does not. Frames that are

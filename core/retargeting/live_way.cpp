@@ -1,7 +1,6 @@
 #include "core/retargeting/live_way.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -17,6 +16,7 @@ constexpr double kSpeed = 0.25;        // m/s
 constexpr double kTurning = 3.0;       // rad/s, of the hand and of its joints
 constexpr double kShortest = 0.2;      // s
 constexpr double kLongest = 0.8;       // s
+constexpr double kLetsGo = 0.25;       // s
 constexpr double kFarthestAway = 0.1;  // m, of a way by a radian or more
 
 }  // namespace
@@ -61,6 +61,10 @@ hand::HandPose LiveWay::at(double time_s) const {
   hand::HandPose pose = manipulation::poseBetween(from_O_, to_O_, share);
   pose.X_WH.translation() = middle_O_ + arc_.at(share);
   return pose;
+}
+
+double LiveWay::firmness(double time_s) const {
+  return 1.0 - std::clamp((time_s - end()) / kLetsGo, 0.0, 1.0);
 }
 
 }  // namespace handgraft::retargeting

@@ -8,6 +8,8 @@ namespace handgraft::retargeting {
 
 /// A hand's way from where it is to a pose that was found elsewhere: about the object, and away
 /// from it in between. As long as it takes at 0.25 m/s and 3 rad/s on average, 0.2 to 0.8 s.
+/// Then it lets the hand go within 0.25 s: what has begun to touch meanwhile would else take it
+/// from there in one frame.
 class LiveWay {
  public:
   /// Frames: O. `middle_O`: of the object.
@@ -20,6 +22,9 @@ class LiveWay {
   [[nodiscard]] hand::HandPose at(double time_s) const;
 
   [[nodiscard]] double end() const { return begin_s_ + duration_s_; }
+
+  /// How firmly it holds the hand: 1 to its end, then ever less, 0 once it has let go.
+  [[nodiscard]] double firmness(double time_s) const;
 
  private:
   /// Round the object and farther out in its middle.

@@ -93,6 +93,7 @@ TEST_F(LiveFollowing, AFrameThatJumpsIsPassedOver) {
     DemonstratedFrame glitch = frame;
     if (k == 15) glitch.joints_W.col(8) += Eigen::Vector3d(0.0, 0.08, 0.0);  // an index's tip
     if (k == 25 || k == 26) glitch.joints_W = -frame.joints_W;
+    if (k == 30) glitch.joints_W.row(2).array() += 1.0;  // all of it elsewhere
     const auto there = steady->follow(frame, Progress());
     const auto answer = jumping->follow(glitch, Progress());
     ASSERT_EQ(answer.has_value(), there.has_value());
@@ -223,6 +224,37 @@ TEST_F(LiveFollowing, IsAsItWasAfterASearchThatWasCalledOff) {
   ASSERT_TRUE(answer && fresh);
   EXPECT_EQ(answer->parts.size(), fresh->parts.size());
   EXPECT_LT((answer->pose.q - fresh->pose.q).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+// What touches changes while the hand is led elsewhere: at the end of its way it is let go bit
+// by bit (11 mm in a frame if at once).
+TEST_F(LiveFollowing, AtTheEndOfItsWayAHandIsNotTornAway) {
+  const auto follower = this->follower();
+  const auto turned = [](int k, double turn_rad) {
+    DemonstratedFrame frame = grip(k / 60.0, 0.8, k < 20 ? 0.02 : 0.0);
+    frame.X_WO.linear() = rotationFromVector(Eigen::Vector3d(turn_rad, 0.0, 0.0));
+    return frame;
+  };
+  std::optional<LiveFollower::Answer> answer;
+  std::optional<Pose> before_OH;
+  double turn_rad = 0.0;
+  int ends = 0;
+  bool was_led = false;
+  for (int k = 0; k < 150; ++k) {
+    if (k == 20) turn_rad = 1.0;
+    if (answer && answer->is_on_its_way) turn_rad = -0.4;
+    const DemonstratedFrame frame = turned(k, turn_rad);
+    answer = follower->follow(frame, Progress());
+    ASSERT_TRUE(answer);
+    const Pose X_OH = inverse(frame.X_WO) * answer->pose.X_WH;
+    if (before_OH && was_led && !answer->is_on_its_way) {
+      ++ends;
+      EXPECT_LT((X_OH.translation() - before_OH->translation()).norm(), 0.006) << k;
+    }
+    was_led = answer->is_on_its_way;
+    before_OH = X_OH;
+  }
+  EXPECT_GT(ends, 0);
 }
 
 // What the demonstrator touches is all of a sudden on the ball's other side. Followed from

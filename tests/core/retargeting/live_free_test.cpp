@@ -232,6 +232,40 @@ TEST_F(LiveFollowing, WhatGrazesIsLeftWithoutAStep) {
   }
 }
 
+// Who was not seen for a while is half a metre elsewhere then: the hand goes there in half a
+// second. Of frames that are all so far apart each is answered as it is.
+TEST_F(LiveFollowing, CatchesUpBehindAPauseWithoutAStep) {
+  const hand::Hand hand = handOfLibrary("human20");
+  const auto live = followerOf(hand);
+  const auto away = [](double time_s, double away_m) {
+    return grip(time_s, 0.1, away_m);
+  };
+  std::optional<LiveFollower::Answer> answer;
+  for (int k = 0; k < 30; ++k)
+    answer = live->follow(away(k / 60.0, 0.2), Progress());
+  ASSERT_TRUE(answer);
+  const auto root_O = [&] {
+    return (answer->pose.X_WH.translation() - away(0.0, 0.7).X_WO.translation()).eval();
+  };
+  Eigen::Vector3d before = answer->pose.X_WH.translation() - away(0.0, 0.2).X_WO.translation();
+  for (int k = 0; k < 45; ++k) {
+    answer = live->follow(away(100.0 + k / 60.0, 0.7), Progress());
+    ASSERT_TRUE(answer);
+    EXPECT_LT((root_O() - before).norm(), 0.04) << k;
+    before = root_O();
+  }
+  const auto fresh = followerOf(hand)->follow(away(0.0, 0.7), Progress());
+  ASSERT_TRUE(fresh);
+  EXPECT_LT((answer->pose.X_WH.translation() - fresh->pose.X_WH.translation()).norm(), 0.003);
+
+  for (int k = 1; k < 4; ++k)
+    answer = live->follow(away(200.0 + k, 0.2 * k), Progress());
+  const auto last = followerOf(hand)->follow(away(0.0, 0.6), Progress());
+  ASSERT_TRUE(answer && last);
+  // What is smooth holds back a single step of 0.2 m by a tenth.
+  EXPECT_LT((answer->pose.X_WH.translation() - last->pose.X_WH.translation()).norm(), 0.03);
+}
+
 // A clock that begins anew while the hand lets go does not hold it back.
 TEST_F(LiveFollowing, LetsGoThoughTheClockBeginsAnew) {
   const hand::Hand hand = handOfLibrary("human20");

@@ -34,6 +34,16 @@ TEST(LiveWay, LeadsFromItsBeginningToItsEnd) {
   }
 }
 
+TEST(LiveWay, LetsGoBehindItsEnd) {
+  const LiveWay way(standing({0.1, 0.0, 0.0}), standing({0.2, 0.0, 0.0}), Vector3d::Zero(),
+                    3.0);
+  EXPECT_EQ(way.firmness(3.0), 1.0);
+  EXPECT_EQ(way.firmness(way.end()), 1.0);
+  EXPECT_NEAR(way.firmness(way.end() + 0.125), 0.5, 1e-9);
+  EXPECT_EQ(way.firmness(way.end() + 0.25), 0.0);
+  EXPECT_EQ(way.firmness(way.end() + 9.0), 0.0);
+}
+
 TEST(LiveWay, GoesAboutTheObject) {
   const LiveWay way(standing({0.1, 0.0, 0.0}), standing({-0.1, 0.0, 0.0}), Vector3d::Zero(),
                     0.0);
