@@ -72,4 +72,9 @@ void Interruption::reset() {
   handle(nullptr, nullptr);
 }
 
+void Interruption::forget() {
+  was_terminated = false;
+  reset();
+}
+
 }  // namespace handgraft::client

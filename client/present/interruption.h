@@ -31,6 +31,10 @@ class Interruption {
   /// As if no Ctrl-C had come, for programs where it stops one thing of many; SIGTERM stays.
   void reset();
 
+  /// As if no signal at all had come, for what is short and still to be written in the end. The
+  /// next one asks to stop, the one after it ends the process.
+  void forget();
+
  private:
   std::chrono::duration<double> time_{0};  ///< 0: no end
   std::chrono::steady_clock::time_point begin_;

@@ -216,14 +216,17 @@ std::optional<retargeting::LiveFollower::Answer> answerTo(LiveSession& live,
                                     following.tracker->shownBy(pose, X_WO), live.solves());
 }
 
-std::string whyNotBegun(int touches) {
+std::string whyNotBegun(const retargeting::LiveFollower& follower) {
   constexpr int kEnough = retargeting::LiveFollower::kTouchesToBegin;
+  const int touches = follower.touches();
   if (touches < kEnough) {
     return fmt::format(
-        "touches the object with {} of the {} parts that a hand begins with; two of two "
-        "fingers "
-        "that stay do, too",
-        touches, kEnough);
+        "touches the object with {} of the {} parts that a hand begins with{}", touches,
+        kEnough,
+        follower.knowsHowHeld()
+            ? "; two of two fingers that stay do, too"
+            : "; its knuckles lie in one line, which does not tell how it is held, else the "
+              "hand would come near from the first frame on");
   }
   return fmt::format(
       "touches the object with {} parts; the hand begins when no more come and a pose out of "
@@ -251,7 +254,7 @@ void followFrame(LiveSession& live,
                              *answer, partNamesOf(live.following));
       live.publish(answerOf(live, frame, *answer));
     } else {
-      told = said(v1::FOLLOW_WAITS, whyNotBegun(live.following.follower->touches()));
+      told = said(v1::FOLLOW_WAITS, whyNotBegun(*live.following.follower));
     }
   } catch (const Cancelled&) {
     return;  // it is being closed

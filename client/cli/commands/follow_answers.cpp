@@ -20,7 +20,7 @@ constexpr std::chrono::milliseconds kGlitches(1000);
 void FollowAnswers::sent(double time_s, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   if (!begun_) begun_ = now;
-  sent_[time_s] = now;
+  sent_[time_s] = {now, sent_count_++};
   sent_last_s_ = time_s;
 }
 
@@ -29,20 +29,31 @@ void FollowAnswers::came(const v1::PoseSolution& solution, Clock::time_point now
   const std::lock_guard lock(mutex_);
   const auto found = sent_.find(solution.time_s().front());
   if (found == sent_.end()) return;
-  latency_ms_.push_back(std::chrono::duration<double, std::milli>(now - found->second).count());
-  sent_.erase(found);
+  latency_ms_.push_back(
+      std::chrono::duration<double, std::milli>(now - found->second.at).count());
   touching_ += solution.patches().empty() ? 0 : 1;
-  const double time_s = solution.time_s().front();
+  const Last answer{found->second.number, solution.time_s().front(), solution.X_WH(),
+                    solution.joint_positions()};
+  sent_.erase(found);
+  if (last_ && last_->joints.size() == answer.joints.size()) step(*last_, answer);
+  last_ = answer;
+}
+
+void FollowAnswers::step(const Last& before, const Last& now) {
+  if (now.number <= before.number) return;  // answers that overtook each other
+  const auto frames = static_cast<double>(now.number - before.number);
+  const double seconds = now.time_s - before.time_s;
   const bool is_first = latency_ms_.size() <= 2;
-  const std::vector<double>& joints = solution.joint_positions();
-  for (std::size_t i = 0; i < joints.size() && last_.size() == joints.size(); ++i) {
-    const double step = std::abs(joints[i] - last_[i]);
-    if (step > largest_step_.size) largest_step_ = {step, i, time_s};
-    if (!is_first && time_s > last_s_)
-      largest_speed_ = std::max(largest_speed_, step / (time_s - last_s_));
+  for (std::size_t i = 0; i < now.joints.size(); ++i) {
+    const double way = std::abs(now.joints[i] - before.joints[i]);
+    if (way / frames > largest_step_.size) largest_step_ = {way / frames, i, now.time_s};
+    if (!is_first && seconds > 0.0) largest_speed_ = std::max(largest_speed_, way / seconds);
   }
-  last_s_ = time_s;
-  last_ = joints;
+  const auto along = [&](std::size_t axis) {
+    return now.X_WH.p_m()[axis] - before.X_WH.p_m()[axis];
+  };
+  const double way = std::hypot(along(0), along(1), along(2)) / frames;
+  if (way > largest_root_step_.size) largest_root_step_ = {way, 0, now.time_s};
 }
 
 void FollowAnswers::said(const v1::FollowState& state, Clock::time_point now) {
@@ -115,6 +126,11 @@ std::size_t FollowAnswers::touching() const {
 FollowAnswers::Step FollowAnswers::largestStep() const {
   const std::lock_guard lock(mutex_);
   return largest_step_;
+}
+
+FollowAnswers::Step FollowAnswers::largestRootStep() const {
+  const std::lock_guard lock(mutex_);
+  return largest_root_step_;
 }
 
 double FollowAnswers::largestSpeed() const {

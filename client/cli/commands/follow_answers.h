@@ -51,7 +51,8 @@ class FollowAnswers {
   /// Answers to frames in which a part of the hand shows what the demonstrator touches.
   [[nodiscard]] std::size_t touching() const;
 
-  /// How far a joint goes from one answer to the next.
+  /// How far a joint, or the root in W, goes from one answer to the next: a frame, on average,
+  /// where some between them had no answer.
   struct Step {
     double size = 0.0;  ///< rad or m; 0: none goes anywhere
     std::size_t joint = 0;
@@ -59,18 +60,39 @@ class FollowAnswers {
   };
 
   [[nodiscard]] Step largestStep() const;
+  [[nodiscard]] Step largestRootStep() const;  ///< m
   /// Of any step but the first, by which the hand begins (rad/s or m/s); 0 without any.
   [[nodiscard]] double largestSpeed() const;
 
  private:
   mutable std::mutex mutex_;
-  std::map<double, Clock::time_point> sent_;
+
+  /// A frame that waits for its answer.
+  struct Sent {
+    Clock::time_point at;
+    std::size_t number;
+  };
+
+  std::map<double, Sent> sent_;
+  std::size_t sent_count_ = 0;
   std::optional<Clock::time_point> begun_;
   std::vector<double> latency_ms_;
   std::size_t touching_ = 0;
-  std::vector<double> last_;
-  double last_s_ = 0.0;  // the time of that
+
+  /// What was answered last.
+  struct Last {
+    std::size_t number;
+    double time_s;
+    v1::Pose X_WH;
+    std::vector<double> joints;
+  };
+
+  /// Under the lock.
+  void step(const Last& before, const Last& now);
+
+  std::optional<Last> last_;
   Step largest_step_;
+  Step largest_root_step_;
   double largest_speed_ = 0.0;
   v1::FollowState said_;  // last
   bool is_news_ = false;

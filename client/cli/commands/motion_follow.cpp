@@ -92,8 +92,8 @@ int run(const MotionFollowOptions& options,
   } while (options.loops && !interruption.requested() &&
            !answers.isHopeless(FollowClock::now()));
   if (!answers.isHopeless(FollowClock::now())) std::this_thread::sleep_for(kLastAnswers);
-  // Ctrl-C ends the frames, not what is told and written of them; a second one does.
-  interruption.reset();
+  // A signal ends the frames, not what is told and written of them; a second one does.
+  interruption.forget();
 
   const double p50 = answers.latency(0.5);
   const double p99 = answers.latency(0.99);
@@ -113,6 +113,7 @@ int run(const MotionFollowOptions& options,
   const v1::HandDescription hand =
       server.describe(v1::MODEL_HAND, state.hand(), false).get().hand();
   const FollowAnswers::Step step = answers.largestStep();
+  const FollowAnswers::Step root = answers.largestRootStep();
   const std::string joint = step.size > 0.0 && step.joint < hand.joints().size()
                                 ? hand.joints()[step.joint].name()
                                 : "";
@@ -131,6 +132,8 @@ int run(const MotionFollowOptions& options,
                                       {"largest_step_joint", joint},
                                       {"largest_step_s", step.time_s},
                                       {"largest_speed", answers.largestSpeed()},
+                                      {"largest_root_step_m", root.size},
+                                      {"largest_root_step_s", root.time_s},
                                       {"message", refusal.value_or(state.message())}},
                                      2));
   } else if (answers.count() > 0) {
@@ -145,6 +148,9 @@ int run(const MotionFollowOptions& options,
           unit.scale * step.size, unit.name, joint, step.time_s,
           of_any.scale * answers.largestSpeed(), of_any.name);
     }
+    if (root.size > 0.0)
+      fmt::print("largest step of the root {:.2g} mm at {:.2f} s\n", 1e3 * root.size,
+                 root.time_s);
     if (answers.touching() == 0)
       fmt::print("in none of them does a part of the hand show a touch\n");
     if (refusals.count > 0)

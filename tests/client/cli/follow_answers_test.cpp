@@ -142,5 +142,21 @@ TEST_F(FollowAnswersTest, TellsWhichJointWentFarthestAndHowFast) {
   EXPECT_NEAR(answers.largestSpeed(), 2.0, 1e-6) << "but for the first step";
 }
 
+TEST_F(FollowAnswersTest, AStepIsOfAFrameAlsoWhereSomeHadNoAnswer) {
+  for (int k = 0; k <= 5; ++k)
+    answers.sent(0.1 * k, start);
+  const auto at = [](double time_s, double x_m, double joint) {
+    v1::PoseSolution solution = answerTo(time_s, {joint});
+    solution.X_WH().p_m({x_m, 0.0, 0.0});
+    return solution;
+  };
+  answers.came(at(0.0, 0.0, 0.0), start);
+  answers.came(at(0.1, 0.02, 0.1), start);
+  answers.came(at(0.5, 0.06, 0.3), start);  // four frames in one
+  EXPECT_DOUBLE_EQ(answers.largestStep().size, 0.1);
+  EXPECT_DOUBLE_EQ(answers.largestRootStep().size, 0.02);
+  EXPECT_DOUBLE_EQ(answers.largestRootStep().time_s, 0.1);
+}
+
 }  // namespace
 }  // namespace handgraft::client

@@ -50,6 +50,15 @@ TEST(Interruption, NoResetTakesBackATermination) {
   EXPECT_THROW(interruption.checkpoint(), Cancelled);
 }
 
+TEST(Interruption, IsForgottenForWhatIsWrittenInTheEnd) {
+  Interruption interruption;
+  raise(SIGTERM);
+  interruption.forget();
+  EXPECT_NO_THROW(interruption.checkpoint());
+  raise(SIGTERM);
+  EXPECT_THROW(interruption.checkpoint(), Cancelled);
+}
+
 TEST(Interruption, KnowsNothingOfSignalsBeforeIt) {
   {
     const Interruption before;
