@@ -320,7 +320,7 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
                                            const Progress& progress,
                                            const std::vector<FramePose>& known) {
   constexpr double kStride = 16.0 * kReferenceStep;  // s
-  constexpr double kClosely = 2.0 * kReferenceStep;  // s; what lies between is solved next
+  constexpr double kClosely = 3.0 * kReferenceStep;  // s; what lies between is solved next
   constexpr int kFewestStarts = 16;
   const FrameProblems frames(problem, options.fade);
   MotionOptions following = options;

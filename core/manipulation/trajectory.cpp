@@ -80,6 +80,25 @@ Smoothness measureSmoothness(const MotionProblem& problem,
   return smoothness;
 }
 
+double limitShareAt(const MotionProblem& problem,
+                    const std::vector<hand::HandPose>& poses,
+                    std::size_t k) {
+  const auto velocity = [&](std::size_t behind, Eigen::Index joint) {
+    return (poses[behind].q[joint] - poses[behind - 1].q[joint]) /
+           (problem.time_s[behind] - problem.time_s[behind - 1]);
+  };
+  double share = 0.0;
+  for (Eigen::Index i = 0; k >= 1 && i < poses[k].q.size(); ++i) {
+    const double now = velocity(k, i);
+    share = std::max(share, std::abs(now) / problem.velocity_limit[i]);
+    if (k < 2) continue;
+    const double between = 0.5 * (problem.time_s[k] - problem.time_s[k - 2]);
+    share = std::max(
+        share, std::abs(now - velocity(k - 1, i)) / between / problem.acceleration_limit[i]);
+  }
+  return share;
+}
+
 std::vector<FrameFit> fitFrames(const MotionProblem& problem,
                                 const std::vector<hand::HandPose>& poses) {
   HANDGRAFT_REQUIRE(poses.size() == problem.time_s.size());

@@ -44,6 +44,12 @@ struct Smoothness {
 Smoothness measureSmoothness(const MotionProblem& problem,
                              const std::vector<hand::HandPose>& poses);
 
+/// How many times its limit a joint's velocity is that comes to frame `k`, or its acceleration
+/// between the two before it and that; the largest one. 1: none is beyond. Cost: O(joints).
+double limitShareAt(const MotionProblem& problem,
+                    const std::vector<hand::HandPose>& poses,
+                    std::size_t k);
+
 /// How a frame fits.
 struct FrameFit {
   int points = 0;
