@@ -37,15 +37,15 @@ class BandSearch {
  public:
   using Poses = std::vector<hand::HandPose>;
 
-  /// Of the motion's frames from `first` on.
+  /// Of the frames of `range`, which are the objective's.
   BandSearch(const MotionProblem& problem,
              MotionObjective& objective,
-             std::size_t first,
+             const FrameRange& range,
              Poses poses,
              HeldFrames held)
       : problem_(problem),
         objective_(objective),
-        first_(first),
+        range_(range),
         held_(held),
         system_(poses.size(), objective.dofCount()),
         undamped_(system_),
@@ -103,7 +103,7 @@ class BandSearch {
 
   const MotionProblem& problem_;
   MotionObjective& objective_;
-  std::size_t first_;
+  FrameRange range_;
   HeldFrames held_;
   BandSystem system_;
   BandSystem undamped_;

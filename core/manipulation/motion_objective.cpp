@@ -55,16 +55,19 @@ bool hasPairsOfOwn(const MotionProblem& problem, int frame) {
   return own != problem.own.end() && !(own->second.pairs.empty() && own->second.shares.empty());
 }
 
-/// Whether a frame has the same contacts as the one before: the same moments, then.
-bool hasContactsOfBefore(const MotionProblem& problem, const FrameProblems& frames, int frame) {
-  if (hasPairsOfOwn(problem, frame) || hasPairsOfOwn(problem, frame - 1)) return false;
+/// Whether a frame has the same contacts as one before: the same moments, then.
+bool hasContactsOf(const MotionProblem& problem,
+                   const FrameProblems& frames,
+                   int earlier,
+                   int frame) {
+  if (hasPairsOfOwn(problem, frame) || hasPairsOfOwn(problem, earlier)) return false;
   const auto& now = frames.presentAt(frame);
-  const auto& before = frames.presentAt(frame - 1);
+  const auto& before = frames.presentAt(earlier);
   if (now.size() != before.size()) return false;
   for (std::size_t i = 0; i < now.size(); ++i) {
     if (now[i].track != before[i].track || now[i].presence != before[i].presence) return false;
     for (const PairSpan& span : problem.tracks[static_cast<std::size_t>(now[i].track)].spans)
-      if (span.begin == frame) return false;
+      if (span.begin > earlier && span.begin <= frame) return false;
   }
   return true;
 }
@@ -99,36 +102,34 @@ MotionObjective::MotionObjective(const MotionProblem& problem,
                       FrameProblems(problem, options.fade),
                       options,
                       pool,
-                      0,
-                      problem.time_s.size()) {}
+                      {0, problem.time_s.size()}) {}
 
 MotionObjective::MotionObjective(const MotionProblem& problem,
                                  const FrameProblems& frames,
                                  const MotionOptions& options,
                                  optimize::WorkerPool& pool,
-                                 std::size_t first,
-                                 std::size_t count)
-    : problem_(problem), pool_(pool), bare_(count), trees_(count) {
-  HANDGRAFT_REQUIRE(count >= 1 && first + count <= problem.time_s.size());
-  time_s_.assign(problem.time_s.begin() + static_cast<std::ptrdiff_t>(first),
-                 problem.time_s.begin() + static_cast<std::ptrdiff_t>(first + count));
+                                 const FrameRange& range)
+    : problem_(problem), pool_(pool), bare_(range.count), trees_(range.count) {
+  HANDGRAFT_REQUIRE(range.count >= 1 && range.at(range.count - 1) < problem.frameCount());
+  for (std::size_t k = 0; k < range.count; ++k)
+    time_s_.push_back(problem.time_s[static_cast<std::size_t>(range.at(k))]);
   hand::HandPose rest;
   rest.q = problem.prior;
   for (std::size_t k = 0; k < trees_.size(); ++k) {
-    const auto frame = static_cast<int>(first + k);
-    trees_[k] = k > 0 && hasContactsOfBefore(problem, frames, frame)
+    const int frame = range.at(k);
+    trees_[k] = k > 0 && hasContactsOf(problem, frames, range.at(k - 1), frame)
                     ? trees_[k - 1]
                     : std::make_shared<const optimize::MomentTree>(
                           makeMomentTree(frames.at(frame, rest)));
   }
   const auto bare_at = [&](std::size_t k) {
-    optimize::PoseProblem bare = frames.at(static_cast<int>(first + k), rest);
+    optimize::PoseProblem bare = frames.at(range.at(k), rest);
     bare.pairs.clear();
     return std::make_shared<const optimize::PoseProblem>(std::move(bare));
   };
   std::shared_ptr<const optimize::PoseProblem> plain;
-  for (std::size_t k = 0; k < count; ++k) {
-    if (!problem.turns.empty() || problem.own.count(static_cast<int>(first + k)) != 0) {
+  for (std::size_t k = 0; k < range.count; ++k) {
+    if (!problem.turns.empty() || problem.own.count(range.at(k)) != 0) {
       bare_[k] = bare_at(k);
     } else {
       if (!plain) plain = bare_at(k);
@@ -316,7 +317,7 @@ void MotionObjective::addSecondDifferences(const Poses& poses, BandSystem& syste
 }
 
 void moveBy(const MotionProblem& problem,
-            std::size_t first,
+            const FrameRange& range,
             const std::vector<VectorXd>& steps,
             const std::vector<hand::HandPose>& from,
             std::vector<hand::HandPose>& to) {
@@ -327,7 +328,7 @@ void moveBy(const MotionProblem& problem,
     pose.X_WH.linear() = rotationFromVector(step.head<3>()) * from[k].X_WH.linear();
     pose.X_WH.translation() += step.segment<3>(3);
     pose.q += step.tail(step.size() - 6);
-    const auto frame = static_cast<int>(first + k);
+    const int frame = range.at(k);
     pose.q = pose.q.cwiseMax(problem.lowerAt(frame)).cwiseMin(problem.upperAt(frame));
   }
 }

@@ -28,6 +28,10 @@ const std::vector<SearchStage> avoiding_stages = {{kClosely, 0.05, 1e-3, 4, kNea
                                                   {kClosely, 1.0, 1.0, 16, kNearlyEnough},
                                                   {kFirmly, 1.0, 1.0, 10, kNearlyEnough}};
 
+// Few frames tell the way; then those between them take their places in it.
+constexpr double kApart = 0.025;  // s
+const std::vector<SearchStage> avoiding_between = {{kFirmly, 1.0, 1.0, 10, kNearlyEnough}};
+
 // Where velocities or accelerations are beyond their limits still: firmer and firmer; and where
 // that is stuck, by a way so smooth that it keeps them, which is let go bit by bit.
 const std::vector<SearchStage> touching_limited = {
@@ -56,44 +60,83 @@ const std::vector<SearchStage> avoiding_step = {{kClosely, 1.0, 1.0, 4, kNearlyE
 // A second difference joins a frame with the two before it.
 constexpr std::size_t kJoined = 2;
 
-/// The poses of the objective's frames, from `first` on.
+/// The poses of the objective's frames, those of `range`.
 void solvePart(const MotionProblem& problem,
                MotionObjective& objective,
                const std::vector<SearchStage>& stages,
-               std::size_t first,
+               const FrameRange& range,
                HeldFrames held,
                const Progress& progress,
                Trajectory& trajectory) {
-  const auto begin = trajectory.poses.begin() + static_cast<std::ptrdiff_t>(first);
-  const std::size_t part = objective.frames().size();
+  const std::size_t part = range.count;
   const std::size_t count = trajectory.poses.size();
-  BandSearch search(problem, objective, first,
-                    Poses(begin, begin + static_cast<std::ptrdiff_t>(part)), held);
+  const std::size_t first = range.first;
+  Poses poses;
+  for (std::size_t k = 0; k < part; ++k)
+    poses.push_back(trajectory.poses[static_cast<std::size_t>(range.at(k))]);
+  BandSearch search(problem, objective, range, std::move(poses), held);
   const bool is_limited = problem.velocity_limit.array().isFinite().any() ||
                           problem.acceleration_limit.array().isFinite().any();
   double done = 0.0;
   for (const SearchStage& stage : stages) {
     // Without limits of that kind nothing is stiff.
     if (!is_limited && problem.avoidance == nullptr && stage.limits < 1.0) continue;
-    progress.report("solving all frames",
-                    (static_cast<double>(first) + done * static_cast<double>(part)) /
-                        static_cast<double>(count));
+    progress.report(
+        range.stride > 1 ? "solving some frames" : "solving all frames",
+        (static_cast<double>(first) + done * static_cast<double>(part * range.stride)) /
+            static_cast<double>(count));
     done += 1.0 / static_cast<double>(stages.size());
     search.descend(stage, progress, trajectory.evaluations);
   }
-  std::copy(search.frames().begin(), search.frames().end(),
-            trajectory.objective.begin() + static_cast<std::ptrdiff_t>(first));
-  std::move(search.poses().begin(), search.poses().end(), begin);
+  for (std::size_t k = 0; k < part; ++k) {
+    const auto at = static_cast<std::size_t>(range.at(k));
+    trajectory.objective[at] = search.frames()[k];
+    trajectory.poses[at] = std::move(search.poses()[k]);
+  }
 }
 
-/// Frames `first` to `end`, in parts; before them and from `end` on poses stay.
+/// Frames of a part between those of `range`, and behind the last of them, by their poses; what
+/// is held stays.
+void interpolateRest(const std::vector<double>& time_s,
+                     const FrameRange& range,
+                     const FrameRange& part,
+                     HeldFrames held,
+                     Poses& poses) {
+  for (std::size_t k = held.before; k + held.behind < part.count; ++k) {
+    if (k % range.stride == 0) continue;
+    const auto at = static_cast<std::size_t>(part.at(k));
+    const std::size_t before = at - k % range.stride;
+    const std::size_t behind = before + range.stride;
+    if (behind > static_cast<std::size_t>(range.at(range.count - 1)))
+      poses[at] = poses[before];
+    else
+      poses[at] =
+          poseBetween(poses[before], poses[behind],
+                      (time_s[at] - time_s[before]) / (time_s[behind] - time_s[before]));
+  }
+}
+
+/// Every `stride`-th frame of a part; the first and the last one held if those of the part are.
+HeldFrames heldAmong(const FrameRange& range, const FrameRange& part, HeldFrames held) {
+  HeldFrames among;
+  for (std::size_t k = 0; k < range.count; ++k) {
+    const std::size_t at = k * range.stride;
+    among.before += at < held.before ? 1 : 0;
+    among.behind += at + held.behind >= part.count ? 1 : 0;
+  }
+  return among;
+}
+
+/// Frames `first` to `end`, in parts; before them and from `end` on poses stay. Every
+/// `stride`-th of them is searched, others lie between.
 void solveParts(const MotionProblem& problem,
                 const MotionOptions& options,
                 const std::vector<SearchStage>& stages,
                 std::size_t first,
                 std::size_t end,
                 const Progress& progress,
-                Trajectory& trajectory) {
+                Trajectory& trajectory,
+                std::size_t stride = 1) {
   optimize::WorkerPool pool(options.threads);
   const FrameProblems frames(problem, options.fade);
   const std::size_t count = problem.time_s.size();
@@ -107,8 +150,12 @@ void solveParts(const MotionProblem& problem,
     const std::size_t left = to - from;
     const std::size_t part = left <= at_once + ahead ? left : at_once;
     held.behind = part == left ? to - end : 0;
-    MotionObjective objective(problem, frames, options, pool, from, part);
-    solvePart(problem, objective, stages, from, held, progress, trajectory);
+    const FrameRange all{from, part};
+    const FrameRange range{from, 1 + (part - 1) / stride, stride};
+    MotionObjective objective(problem, frames, options, pool, range);
+    solvePart(problem, objective, stages, range, heldAmong(range, all, held), progress,
+              trajectory);
+    interpolateRest(problem.time_s, range, all, held, trajectory.poses);
     if (part == left) return;
     from += part - ahead - kJoined;
     held.before = kJoined;
@@ -217,8 +264,15 @@ Trajectory solveOffline(const MotionProblem& problem,
                            : followedMinima(problem, options, progress, known);
   }
   trajectory.objective.assign(trajectory.poses.size(), 0.0);
-  solveParts(problem, options, problem.avoidance == nullptr ? touching_stages : avoiding_stages,
-             0, problem.time_s.size(), progress, trajectory);
+  const std::size_t count = problem.time_s.size();
+  if (problem.avoidance == nullptr) {
+    solveParts(problem, options, touching_stages, 0, count, progress, trajectory);
+  } else {
+    const auto stride = static_cast<std::size_t>(strideOf(problem.time_s, kApart));
+    solveParts(problem, options, avoiding_stages, 0, count, progress, trajectory, stride);
+    if (stride > 1)
+      solveParts(problem, options, avoiding_between, 0, count, progress, trajectory);
+  }
   keepLimits(problem, options, 0, problem.time_s.size(), progress, trajectory);
   return trajectory;
 }
