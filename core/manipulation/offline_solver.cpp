@@ -177,12 +177,12 @@ double limitShare(const MotionProblem& problem, const Poses& poses, const Stretc
   return share;
 }
 
-/// Of `all`, where a limit is not kept, with what lies about it.
+/// Of `all`, where a limit is not kept, with what lies about it by so many seconds.
 std::vector<Stretch> beyondLimits(const MotionProblem& problem,
                                   const Poses& poses,
-                                  const Stretch& all) {
-  constexpr double kAbout = 0.25;  // s
-  const auto about = static_cast<std::size_t>(strideOf(problem.time_s, kAbout));
+                                  const Stretch& all,
+                                  double about_s) {
+  const auto about = static_cast<std::size_t>(strideOf(problem.time_s, about_s));
   std::vector<Stretch> found;
   for (std::size_t k = all.first; k < std::min(poses.size(), all.end + kJoined); ++k) {
     if (limitShareAt(problem, poses, k) <= 1.0) continue;
@@ -231,11 +231,12 @@ void keepLimits(const MotionProblem& problem,
   const std::vector<SearchStage>& limited = touches ? touching_limited : avoiding_limited;
   const std::vector<SearchStage>& smoothed = touches ? touching_smoothed : avoiding_smoothed;
   const Stretch all{first, end};
-  for (const Stretch& beyond : beyondLimits(problem, trajectory.poses, all))
-    solveWithin(problem, options, limited, beyond, progress, trajectory);
-  for (const auto* stages : {&limited, &smoothed})
-    if (limitShare(problem, trajectory.poses, all) > 1.0)
-      solveWithin(problem, options, *stages, all, progress, trajectory);
+  constexpr double kAll = 1e9;  // s
+  const std::pair<const std::vector<SearchStage>*, double> attempts[] = {
+      {&limited, 0.25}, {&smoothed, 0.5}, {&limited, kAll}, {&smoothed, kAll}};
+  for (const auto& [stages, about_s] : attempts)
+    for (const Stretch& beyond : beyondLimits(problem, trajectory.poses, all, about_s))
+      solveWithin(problem, options, *stages, beyond, progress, trajectory);
   constexpr double kWorthNoting = 1.01;
   const double share = limitShare(problem, trajectory.poses, all);
   if (share > kWorthNoting)
