@@ -219,19 +219,19 @@ std::optional<retargeting::LiveFollower::Answer> answerTo(LiveSession& live,
 std::string whyNotBegun(const retargeting::LiveFollower& follower) {
   constexpr int kEnough = retargeting::LiveFollower::kTouchesToBegin;
   const int touches = follower.touches();
-  if (touches < kEnough) {
-    return fmt::format(
-        "touches the object with {} of the {} parts that a hand begins with{}", touches,
-        kEnough,
-        follower.knowsHowHeld()
-            ? "; two of two fingers that stay do, too"
-            : "; its knuckles lie in one line, which does not tell how it is held, else the "
-              "hand would come near from the first frame on");
-  }
-  return fmt::format(
-      "touches the object with {} parts; the hand begins when no more come and a pose out of "
-      "the object is found",
-      touches);
+  std::string why =
+      touches < kEnough
+          ? fmt::format(
+                "touches the object with {} of the {} parts that a hand begins with; "
+                "two of two fingers that stay do, too",
+                touches, kEnough)
+          : fmt::format(
+                "touches the object with {} parts; the hand begins when no more come "
+                "and a pose out of the object is found",
+                touches);
+  if (!follower.knowsHowHeld())
+    why += "; its knuckles lie in one line, so that the hand does not know how to come near";
+  return why;
 }
 
 v1::FollowState said(v1::FollowVerdict verdict, const std::string& text) {

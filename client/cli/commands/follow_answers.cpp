@@ -67,7 +67,7 @@ void FollowAnswers::said(const v1::FollowState& state, Clock::time_point now) {
   said_ = state;
   if (!begun_) return;
   if (state.verdict() == v1::FOLLOW_WAITS) {
-    has_waited_ = true;
+    waiting_ = state.text();
     return;
   }
   if (is_refused_ && !is_told_again) {
@@ -90,13 +90,18 @@ std::optional<std::string> FollowAnswers::refusal() const {
 bool FollowAnswers::isHopeless(Clock::time_point now) const {
   const std::lock_guard lock(mutex_);
   if (!refusal_) return false;
-  const bool is_all = latency_ms_.empty() && !has_waited_ && now - *begun_ >= kGlitches;
+  const bool is_all = latency_ms_.empty() && !waiting_ && now - *begun_ >= kGlitches;
   return another_is_followed_ || is_all;
 }
 
 FollowAnswers::Refusals FollowAnswers::refusals() const {
   const std::lock_guard lock(mutex_);
   return refusals_;
+}
+
+std::optional<std::string> FollowAnswers::waiting() const {
+  const std::lock_guard lock(mutex_);
+  return waiting_;
 }
 
 std::string FollowAnswers::whyNone() const {

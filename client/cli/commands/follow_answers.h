@@ -42,6 +42,9 @@ class FollowAnswers {
 
   [[nodiscard]] Refusals refusals() const;
 
+  /// What the hand waited for last while it had no pose; nothing: it did not.
+  [[nodiscard]] std::optional<std::string> waiting() const;
+
   /// Why no frame was answered, as far as it is known.
   [[nodiscard]] std::string whyNone() const;
 
@@ -100,7 +103,7 @@ class FollowAnswers {
   std::optional<std::string> refusal_;
   Refusals refusals_;
   double sent_last_s_ = 0.0;
-  bool has_waited_ = false;
+  std::optional<std::string> waiting_;
   bool another_is_followed_ = false;
 };
 

@@ -100,6 +100,7 @@ int run(const MotionFollowOptions& options,
   const v1::SessionState state = server.describeSession(session_id).get();
   const std::optional<std::string> refusal = answers.refusal();
   const FollowAnswers::Refusals refusals = answers.refusals();
+  const std::optional<std::string> waiting = answers.waiting();
   OutputFiles outputs;
   for (const MotionFile& file : options.out) {
     if (answers.count() == 0) break;
@@ -125,6 +126,7 @@ int run(const MotionFollowOptions& options,
                                       {"frames", writer.count()},
                                       {"answered", answers.count()},
                                       {"touching", answers.touching()},
+                                      {"waited", waiting ? json::Json(*waiting) : json::Json()},
                                       {"refusals", refusals.count},
                                       {"latency_p50_ms", or_null(p50)},
                                       {"latency_p99_ms", or_null(p99)},
@@ -151,6 +153,7 @@ int run(const MotionFollowOptions& options,
     if (root.size > 0.0)
       fmt::print("largest step of the root {:.2g} mm at {:.2f} s\n", 1e3 * root.size,
                  root.time_s);
+    if (waiting) fmt::print("frames without a pose while it waited: {}\n", *waiting);
     if (answers.touching() == 0)
       fmt::print("in none of them does a part of the hand show a touch\n");
     if (refusals.count > 0)

@@ -53,6 +53,16 @@ TEST_F(FollowAnswersTest, TouchingTooLittleIsNoRefusalAndTellsWhyNothingCame) {
   EXPECT_TRUE(std::isnan(answers.latency(0.5)));
 }
 
+TEST_F(FollowAnswersTest, WhatTheHandWaitedForIsToldAlsoOnceItHasAPose) {
+  EXPECT_FALSE(answers.waiting());
+  answers.sent(0.0, start);
+  answers.said(too_little, start + milliseconds(10));
+  answers.said(nothing_said, start + milliseconds(20));
+  answers.sent(0.1, start);
+  answers.came(answerTo(0.1), start + milliseconds(30));
+  EXPECT_THAT(answers.waiting(), Optional(too_little.text()));
+}
+
 TEST_F(FollowAnswersTest, SomebodyElseWhoIsFollowedRefusesUs) {
   answers.sent(0.0, start);
   answers.said(nothing_said, start + milliseconds(10));
