@@ -145,6 +145,19 @@ TEST_F(FollowingTest, JointsInAnotherOrderAreRefused) {
   EXPECT_TRUE(isTold("another order, the wrist last"));
 }
 
+// A hand that has no pose before it touches is told why.
+TEST_F(FollowingTest, KnucklesInOneLineAreToldWhereTheHandWaits) {
+  hand::JointPlaces joints =
+      hand::manoJointPlaces(Eigen::Matrix<double, hand::kManoPoseSize, 1>::Zero(),
+                            Eigen::Vector3d(0.0, 0.0, 1.0), hand::HandSide::kRight);
+  for (const Eigen::Index knuckle : {5, 13, 17})
+    joints.col(knuckle) = joints.col(9);
+  v1::DemonstratorFrame frame = places(0.0, 63);
+  frame.values().assign(joints.data(), joints.data() + joints.size());
+  bus.send(frame);
+  EXPECT_TRUE(isTold("its knuckles lie in one line", v1::FOLLOW_WAITS));
+}
+
 TEST_F(FollowingTest, AnotherDemonstratorIsToldAnewThoughItBeTheSame) {
   bus.send(places(0.0, 60));
   ASSERT_TRUE(becomes("values: 60 numbers"));
