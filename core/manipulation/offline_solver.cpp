@@ -95,24 +95,28 @@ void solvePart(const MotionProblem& problem,
   }
 }
 
-/// Frames of a part between those of `range`, and behind the last of them, by their poses; what
-/// is held stays.
-void interpolateRest(const std::vector<double>& time_s,
+/// Frames of a part between those of `range`, and behind the last of them, by their poses,
+/// within limits of their own; what is held stays.
+void interpolateRest(const MotionProblem& problem,
                      const FrameRange& range,
                      const FrameRange& part,
                      HeldFrames held,
                      Poses& poses) {
+  const std::vector<double>& time_s = problem.time_s;
   for (std::size_t k = held.before; k + held.behind < part.count; ++k) {
     if (k % range.stride == 0) continue;
     const auto at = static_cast<std::size_t>(part.at(k));
     const std::size_t before = at - k % range.stride;
     const std::size_t behind = before + range.stride;
-    if (behind > static_cast<std::size_t>(range.at(range.count - 1)))
+    if (behind > static_cast<std::size_t>(range.at(range.count - 1))) {
       poses[at] = poses[before];
-    else
+    } else {
       poses[at] =
           poseBetween(poses[before], poses[behind],
                       (time_s[at] - time_s[before]) / (time_s[behind] - time_s[before]));
+    }
+    const Eigen::VectorXd& lower = problem.lowerAt(part.at(k));
+    poses[at].q = poses[at].q.cwiseMax(lower).cwiseMin(problem.upperAt(part.at(k)));
   }
 }
 
@@ -155,7 +159,7 @@ void solveParts(const MotionProblem& problem,
     MotionObjective objective(problem, frames, options, pool, range);
     solvePart(problem, objective, stages, range, heldAmong(range, all, held), progress,
               trajectory);
-    interpolateRest(problem.time_s, range, all, held, trajectory.poses);
+    interpolateRest(problem, range, all, held, trajectory.poses);
     if (part == left) return;
     from += part - ahead - kJoined;
     held.before = kJoined;
