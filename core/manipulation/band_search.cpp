@@ -91,7 +91,7 @@ void BandSearch::raiseDamping() {
 }
 
 void BandSearch::moveTrial() {
-  moveBy(problem_, range_, steps_, poses_, trial_);
+  moveBy(problem_, of_, steps_, poses_, trial_);
   const std::size_t frames = poses_.size();
   for (std::size_t k = 0; k < frames; ++k)
     if (isHeld(k)) trial_[k] = poses_[k];
@@ -137,8 +137,8 @@ double BandSearch::propose() {
 
 void BandSearch::holdAtLimits(std::vector<VectorXd>& border) {
   for (std::size_t k = 0; k < poses_.size(); ++k) {
-    const VectorXd& lower = problem_.lowerAt(range_.at(k));
-    const VectorXd& upper = problem_.upperAt(range_.at(k));
+    const VectorXd& lower = problem_.lowerAt(of_[k]);
+    const VectorXd& upper = problem_.upperAt(of_[k]);
     for (Eigen::Index i = 0; i < poses_[k].q.size(); ++i) {
       const double q = poses_[k].q[i];
       const double pull = undamped_.right[k][6 + i];
@@ -151,8 +151,8 @@ void BandSearch::holdAtLimits(std::vector<VectorXd>& border) {
 bool BandSearch::holdWhatLeaves(std::vector<VectorXd>& border) {
   bool left = false;
   for (std::size_t k = 0; k < poses_.size(); ++k) {
-    const VectorXd& lower = problem_.lowerAt(range_.at(k));
-    const VectorXd& upper = problem_.upperAt(range_.at(k));
+    const VectorXd& lower = problem_.lowerAt(of_[k]);
+    const VectorXd& upper = problem_.upperAt(of_[k]);
     for (Eigen::Index i = 0; i < poses_[k].q.size(); ++i) {
       if (border[k][6 + i] != kFree) continue;
       const double q = poses_[k].q[i];

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -37,25 +38,26 @@ class BandSearch {
  public:
   using Poses = std::vector<hand::HandPose>;
 
-  /// Of the frames of `range`, which are the objective's.
+  /// Of these frames of the motion, which are the objective's.
   BandSearch(const MotionProblem& problem,
              MotionObjective& objective,
-             const FrameRange& range,
+             std::vector<int> frames,
              Poses poses,
              HeldFrames held)
       : problem_(problem),
         objective_(objective),
-        range_(range),
+        of_(std::move(frames)),
         held_(held),
         system_(poses.size(), objective.dofCount()),
         undamped_(system_),
         poses_(std::move(poses)),
         damping_(poses_.size()) {}
 
-  /// Up to `steps` trials. Counts evaluations of frames.
+  /// Up to `steps` steps, each of them tried, shortened where nothing else helps. Counts
+  /// evaluations of frames.
   void descend(const SearchStage& stage, const Progress& progress, int& evaluations);
 
-  /// Eq. 2 of each frame.
+  /// Eq. 2 of each frame, once it has descended.
   [[nodiscard]] const std::vector<double>& frames() const { return frames_; }
 
   [[nodiscard]] Poses& poses() { return poses_; }
@@ -103,7 +105,7 @@ class BandSearch {
 
   const MotionProblem& problem_;
   MotionObjective& objective_;
-  FrameRange range_;
+  std::vector<int> of_;  ///< of the motion
   HeldFrames held_;
   BandSystem system_;
   BandSystem undamped_;

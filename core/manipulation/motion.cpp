@@ -144,7 +144,7 @@ int strideOf(const std::vector<double>& time_s, double seconds) {
   const auto steps = static_cast<int>(time_s.size()) - 1;
   if (steps < 1) return 1;
   const double step_s = (time_s.back() - time_s.front()) / steps;
-  return std::clamp(static_cast<int>(std::lround(seconds / step_s)), 1, steps);
+  return static_cast<int>(std::clamp(std::round(seconds / step_s), 1.0, double(steps)));
 }
 
 const DemonstratorKey& demonstratorNear(const Motion& motion, int frame) {

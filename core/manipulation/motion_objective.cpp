@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "core/base/error.h"
@@ -72,6 +73,12 @@ bool hasContactsOf(const MotionProblem& problem,
   return true;
 }
 
+std::vector<int> allFrames(const MotionProblem& problem) {
+  std::vector<int> frames(problem.time_s.size());
+  std::iota(frames.begin(), frames.end(), 0);
+  return frames;
+}
+
 /// Neighbouring frames, and their shares in a difference of what they have: r = sum of
 /// share * x.
 template <int kCount>
@@ -98,38 +105,36 @@ struct FrameDifference {
 MotionObjective::MotionObjective(const MotionProblem& problem,
                                  const MotionOptions& options,
                                  optimize::WorkerPool& pool)
-    : MotionObjective(problem,
-                      FrameProblems(problem, options.fade),
-                      options,
-                      pool,
-                      {0, problem.time_s.size()}) {}
+    : MotionObjective(
+          problem, FrameProblems(problem, options.fade), options, pool, allFrames(problem)) {}
 
 MotionObjective::MotionObjective(const MotionProblem& problem,
-                                 const FrameProblems& frames,
+                                 const FrameProblems& problems,
                                  const MotionOptions& options,
                                  optimize::WorkerPool& pool,
-                                 const FrameRange& range)
-    : problem_(problem), pool_(pool), bare_(range.count), trees_(range.count) {
-  HANDGRAFT_REQUIRE(range.count >= 1 && range.at(range.count - 1) < problem.frameCount());
-  for (std::size_t k = 0; k < range.count; ++k)
-    time_s_.push_back(problem.time_s[static_cast<std::size_t>(range.at(k))]);
+                                 const std::vector<int>& frames)
+    : problem_(problem), pool_(pool), bare_(frames.size()), trees_(frames.size()) {
+  HANDGRAFT_REQUIRE(!frames.empty() && frames.front() >= 0 &&
+                    frames.back() < problem.frameCount());
+  for (const int frame : frames)
+    time_s_.push_back(problem.time_s[static_cast<std::size_t>(frame)]);
   hand::HandPose rest;
   rest.q = problem.prior;
   for (std::size_t k = 0; k < trees_.size(); ++k) {
-    const int frame = range.at(k);
-    trees_[k] = k > 0 && hasContactsOf(problem, frames, range.at(k - 1), frame)
+    const int frame = frames[k];
+    trees_[k] = k > 0 && hasContactsOf(problem, problems, frames[k - 1], frame)
                     ? trees_[k - 1]
                     : std::make_shared<const optimize::MomentTree>(
-                          makeMomentTree(frames.at(frame, rest)));
+                          makeMomentTree(problems.at(frame, rest)));
   }
   const auto bare_at = [&](std::size_t k) {
-    optimize::PoseProblem bare = frames.at(range.at(k), rest);
+    optimize::PoseProblem bare = problems.at(frames[k], rest);
     bare.pairs.clear();
     return std::make_shared<const optimize::PoseProblem>(std::move(bare));
   };
   std::shared_ptr<const optimize::PoseProblem> plain;
-  for (std::size_t k = 0; k < range.count; ++k) {
-    if (!problem.turns.empty() || problem.own.count(range.at(k)) != 0) {
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    if (!problem.turns.empty() || problem.own.count(frames[k]) != 0) {
       bare_[k] = bare_at(k);
     } else {
       if (!plain) plain = bare_at(k);
@@ -317,7 +322,7 @@ void MotionObjective::addSecondDifferences(const Poses& poses, BandSystem& syste
 }
 
 void moveBy(const MotionProblem& problem,
-            const FrameRange& range,
+            const std::vector<int>& frames,
             const std::vector<VectorXd>& steps,
             const std::vector<hand::HandPose>& from,
             std::vector<hand::HandPose>& to) {
@@ -328,7 +333,7 @@ void moveBy(const MotionProblem& problem,
     pose.X_WH.linear() = rotationFromVector(step.head<3>()) * from[k].X_WH.linear();
     pose.X_WH.translation() += step.segment<3>(3);
     pose.q += step.tail(step.size() - 6);
-    const int frame = range.at(k);
+    const int frame = frames[k];
     pose.q = pose.q.cwiseMax(problem.lowerAt(frame)).cwiseMin(problem.upperAt(frame));
   }
 }

@@ -11,15 +11,6 @@
 
 namespace handgraft::manipulation {
 
-/// Some frames of a motion: every `stride`-th of them.
-struct FrameRange {
-  std::size_t first = 0;
-  std::size_t count = 1;
-  std::size_t stride = 1;
-
-  [[nodiscard]] int at(std::size_t k) const { return static_cast<int>(first + k * stride); }
-};
-
 /// All frames of a motion at once: Eq. 2 of each, plus smoothness times |second difference|^2
 /// (and, far weaker, |first difference|^2: what nothing holds rests over the object), plus what
 /// velocities and accelerations beyond their limits cost.
@@ -32,13 +23,13 @@ struct FrameRange {
 /// their order. Cost of an evaluation: that of a single frame, times the frames.
 class MotionObjective {
  public:
-  /// Of the frames of `range`. Keeps references but to `frames`.
+  /// Of these frames of the motion, which rise. Keeps references but to `problems`, `frames`.
   /// Memory: some 20 kB a frame whose contacts differ from the last one's.
   MotionObjective(const MotionProblem& problem,
-                  const FrameProblems& frames,
+                  const FrameProblems& problems,
                   const MotionOptions& options,
                   optimize::WorkerPool& pool,
-                  const FrameRange& range);
+                  const std::vector<int>& frames);
 
   /// Of all of them.
   MotionObjective(const MotionProblem& problem,
@@ -112,10 +103,10 @@ class MotionObjective {
   std::vector<optimize::NearLists> near_;
 };
 
-/// A step of each frame of `range`: the root's turn by exp(w) R, all else added, joints
-/// kept within their limits.
+/// A step of each of these frames of the motion: the root's turn by exp(w) R, all else added,
+/// joints kept within their limits.
 void moveBy(const MotionProblem& problem,
-            const FrameRange& range,
+            const std::vector<int>& frames,
             const std::vector<Eigen::VectorXd>& steps,
             const std::vector<hand::HandPose>& from,
             std::vector<hand::HandPose>& to);

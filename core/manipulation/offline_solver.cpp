@@ -1,6 +1,8 @@
 #include "core/manipulation/offline_solver.h"
 
 #include <algorithm>
+#include <limits>
+#include <string_view>
 #include <utility>
 
 #include "core/base/error.h"
@@ -29,7 +31,7 @@ const std::vector<SearchStage> avoiding_stages = {{kClosely, 0.05, 1e-3, 4, kNea
                                                   {kFirmly, 1.0, 1.0, 10, kNearlyEnough}};
 
 // Few frames tell the way; then those between them take their places in it.
-constexpr double kApart = 0.025;  // s
+constexpr double kApart = 0.0249;  // s; 25 ms and what rounding takes
 const std::vector<SearchStage> avoiding_between = {{kFirmly, 1.0, 1.0, 10, kNearlyEnough}};
 
 // Where velocities or accelerations are beyond their limits still: firmer and firmer; and where
@@ -60,117 +62,131 @@ const std::vector<SearchStage> avoiding_step = {{kClosely, 1.0, 1.0, 4, kNearlyE
 // A second difference joins a frame with the two before it.
 constexpr std::size_t kJoined = 2;
 
-/// The poses of the objective's frames, those of `range`.
-void solvePart(const MotionProblem& problem,
-               MotionObjective& objective,
-               const std::vector<SearchStage>& stages,
-               const FrameRange& range,
-               HeldFrames held,
-               const Progress& progress,
-               Trajectory& trajectory) {
-  const std::size_t part = range.count;
-  const std::size_t count = trajectory.poses.size();
-  const std::size_t first = range.first;
-  Poses poses;
-  for (std::size_t k = 0; k < part; ++k)
-    poses.push_back(trajectory.poses[static_cast<std::size_t>(range.at(k))]);
-  BandSearch search(problem, objective, range, std::move(poses), held);
-  const bool is_limited = problem.velocity_limit.array().isFinite().any() ||
-                          problem.acceleration_limit.array().isFinite().any();
-  double done = 0.0;
-  for (const SearchStage& stage : stages) {
-    // Without limits of that kind nothing is stiff.
-    if (!is_limited && problem.avoidance == nullptr && stage.limits < 1.0) continue;
-    progress.report(
-        range.stride > 1 ? "solving some frames" : "solving all frames",
-        (static_cast<double>(first) + done * static_cast<double>(part * range.stride)) /
-            static_cast<double>(count));
-    done += 1.0 / static_cast<double>(stages.size());
-    search.descend(stage, progress, trajectory.evaluations);
-  }
-  for (std::size_t k = 0; k < part; ++k) {
-    const auto at = static_cast<std::size_t>(range.at(k));
-    trajectory.objective[at] = search.frames()[k];
-    trajectory.poses[at] = std::move(search.poses()[k]);
-  }
-}
-
-/// Frames of a part between those of `range`, and behind the last of them, by their poses,
-/// within limits of their own; what is held stays.
-void interpolateRest(const MotionProblem& problem,
-                     const FrameRange& range,
-                     const FrameRange& part,
-                     HeldFrames held,
-                     Poses& poses) {
-  const std::vector<double>& time_s = problem.time_s;
-  for (std::size_t k = held.before; k + held.behind < part.count; ++k) {
-    if (k % range.stride == 0) continue;
-    const auto at = static_cast<std::size_t>(part.at(k));
-    const std::size_t before = at - k % range.stride;
-    const std::size_t behind = before + range.stride;
-    if (behind > static_cast<std::size_t>(range.at(range.count - 1))) {
-      poses[at] = poses[before];
-    } else {
-      poses[at] =
-          poseBetween(poses[before], poses[behind],
-                      (time_s[at] - time_s[before]) / (time_s[behind] - time_s[before]));
-    }
-    const Eigen::VectorXd& lower = problem.lowerAt(part.at(k));
-    poses[at].q = poses[at].q.cwiseMax(lower).cwiseMin(problem.upperAt(part.at(k)));
-  }
-}
-
-/// Every `stride`-th frame of a part; the first and the last one held if those of the part are.
-HeldFrames heldAmong(const FrameRange& range, const FrameRange& part, HeldFrames held) {
-  HeldFrames among;
-  for (std::size_t k = 0; k < range.count; ++k) {
-    const std::size_t at = k * range.stride;
-    among.before += at < held.before ? 1 : 0;
-    among.behind += at + held.behind >= part.count ? 1 : 0;
-  }
-  return among;
-}
-
-/// Frames `first` to `end`, in parts; before them and from `end` on poses stay. Every
-/// `stride`-th of them is searched, others lie between.
-void solveParts(const MotionProblem& problem,
-                const MotionOptions& options,
-                const std::vector<SearchStage>& stages,
-                std::size_t first,
-                std::size_t end,
-                const Progress& progress,
-                Trajectory& trajectory,
-                std::size_t stride = 1) {
-  optimize::WorkerPool pool(options.threads);
-  const FrameProblems frames(problem, options.fade);
-  const std::size_t count = problem.time_s.size();
-  const auto at_once = static_cast<std::size_t>(options.frames_at_once);
-  // Frames that are solved with one part for its sake, and with the next for good.
-  const std::size_t ahead = std::min<std::size_t>(480, at_once / 4);
-  std::size_t from = first - std::min(kJoined, first);
-  const std::size_t to = std::min(count, end + kJoined);
-  HeldFrames held{first - from, 0};
-  for (;;) {
-    const std::size_t left = to - from;
-    const std::size_t part = left <= at_once + ahead ? left : at_once;
-    held.behind = part == left ? to - end : 0;
-    const FrameRange all{from, part};
-    const FrameRange range{from, 1 + (part - 1) / stride, stride};
-    MotionObjective objective(problem, frames, options, pool, range);
-    solvePart(problem, objective, stages, range, heldAmong(range, all, held), progress,
-              trajectory);
-    interpolateRest(problem, range, all, held, trajectory.poses);
-    if (part == left) return;
-    from += part - ahead - kJoined;
-    held.before = kJoined;
-  }
-}
-
 /// Frames of a motion, the last one not among them.
 struct Stretch {
   std::size_t first;
   std::size_t end;
 };
+
+/// Of a stretch, its first and last frame and those between that are so far apart at least.
+std::vector<int> framesApart(const std::vector<double>& time_s,
+                             const Stretch& of,
+                             double apart_s) {
+  std::vector<int> frames;
+  double last_s = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = of.first; k < of.end; ++k) {
+    if (time_s[k] - last_s < apart_s && k + 1 < of.end) continue;
+    frames.push_back(static_cast<int>(k));
+    last_s = time_s[k];
+  }
+  return frames;
+}
+
+/// Searches the frames of a motion by parts, which share what is the same for all of them.
+class PartSearch {
+ public:
+  PartSearch(const MotionProblem& problem,
+             const MotionOptions& options,
+             const Progress& progress,
+             Trajectory& trajectory)
+      : problem_(problem),
+        options_(options),
+        progress_(progress),
+        trajectory_(trajectory),
+        pool_(options.threads),
+        frames_(problem, options.fade) {}
+
+  PartSearch(const PartSearch&) = delete;
+  PartSearch& operator=(const PartSearch&) = delete;
+
+  /// Poses before the stretch and behind it stay. Frames so far apart are searched, others lie
+  /// between them. `what` is told of it.
+  void search(const std::vector<SearchStage>& stages,
+              const Stretch& of,
+              std::string_view what,
+              double apart_s = 0.0) {
+    const auto at_once = static_cast<std::size_t>(options_.frames_at_once);
+    // Frames that are solved with one part for its sake, and with the next for good.
+    const std::size_t ahead = std::min<std::size_t>(480, at_once / 4);
+    std::size_t from = of.first - std::min(kJoined, of.first);
+    const std::size_t to = std::min(problem_.time_s.size(), of.end + kJoined);
+    std::size_t first = of.first;  // that may move
+    for (;;) {
+      const std::size_t left = to - from;
+      const std::size_t part = left <= at_once + ahead ? left : at_once;
+      const std::size_t end = part == left ? of.end : from + part;
+      const std::vector<int> frames =
+          framesApart(problem_.time_s, {from, from + part}, apart_s);
+      searchPart(stages, frames, {first, end}, what);
+      interpolateRest(frames, {first, end});
+      if (part == left) return;
+      from += part - ahead - kJoined;
+      first = from + kJoined;
+    }
+  }
+
+ private:
+  /// These frames, of which those of `moving` may move.
+  void searchPart(const std::vector<SearchStage>& stages,
+                  const std::vector<int>& frames,
+                  const Stretch& moving,
+                  std::string_view what) {
+    HeldFrames held;
+    Poses poses;
+    for (const int frame : frames) {
+      const auto at = static_cast<std::size_t>(frame);
+      held.before += at < moving.first ? 1 : 0;
+      held.behind += at >= moving.end ? 1 : 0;
+      poses.push_back(trajectory_.poses[at]);
+    }
+    MotionObjective objective(problem_, frames_, options_, pool_, frames);
+    BandSearch search(problem_, objective, frames, std::move(poses), held);
+    const bool is_limited = problem_.velocity_limit.array().isFinite().any() ||
+                            problem_.acceleration_limit.array().isFinite().any();
+    double done = 0.0;
+    for (const SearchStage& stage : stages) {
+      // Without limits of that kind nothing is stiff.
+      if (!is_limited && problem_.avoidance == nullptr && stage.limits < 1.0) continue;
+      const double length = frames.back() + 1 - frames.front();
+      progress_.report(what, (frames.front() + done * length) / problem_.frameCount());
+      done += 1.0 / static_cast<double>(stages.size());
+      search.descend(stage, progress_, trajectory_.evaluations);
+    }
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      const auto at = static_cast<std::size_t>(frames[k]);
+      trajectory_.objective[at] = search.frames()[k];
+      trajectory_.poses[at] = std::move(search.poses()[k]);
+    }
+  }
+
+  /// What lies between these frames and may move, within limits of its own.
+  void interpolateRest(const std::vector<int>& frames, const Stretch& moving) {
+    const std::vector<double>& time_s = problem_.time_s;
+    Poses& poses = trajectory_.poses;
+    for (std::size_t i = 1; i < frames.size(); ++i) {
+      const auto before = static_cast<std::size_t>(frames[i - 1]);
+      const auto behind = static_cast<std::size_t>(frames[i]);
+      for (std::size_t k = std::max(before + 1, moving.first); k < std::min(behind, moving.end);
+           ++k) {
+        const auto frame = static_cast<int>(k);
+        poses[k] =
+            poseBetween(poses[before], poses[behind],
+                        (time_s[k] - time_s[before]) / (time_s[behind] - time_s[before]));
+        poses[k].q =
+            poses[k].q.cwiseMax(problem_.lowerAt(frame)).cwiseMin(problem_.upperAt(frame));
+      }
+    }
+  }
+
+  const MotionProblem& problem_;
+  const MotionOptions& options_;
+  const Progress& progress_;
+  Trajectory& trajectory_;
+  optimize::WorkerPool pool_;
+  FrameProblems frames_;
+};
+
+constexpr std::string_view kSolving = "solving all frames";
 
 /// How many times its limit a velocity or an acceleration is at most that the poses of these
 /// frames have a share in.
@@ -190,8 +206,8 @@ std::vector<Stretch> beyondLimits(const MotionProblem& problem,
   std::vector<Stretch> found;
   for (std::size_t k = all.first; k < std::min(poses.size(), all.end + kJoined); ++k) {
     if (limitShareAt(problem, poses, k) <= 1.0) continue;
-    const Stretch one{std::max(all.first, k - std::min(k, about)),
-                      std::min(all.end, k + about)};
+    const std::size_t first = std::max(all.first, k - std::min(k, about));
+    const Stretch one{std::min(first, all.end - 1), std::min(all.end, k + about + 1)};
     if (!found.empty() && one.first <= found.back().end)
       found.back().end = one.end;
     else
@@ -200,13 +216,13 @@ std::vector<Stretch> beyondLimits(const MotionProblem& problem,
   return found;
 }
 
-/// Solves a stretch by these stages; it stays as it was unless its limits are kept better then.
-void solveWithin(const MotionProblem& problem,
-                 const MotionOptions& options,
-                 const std::vector<SearchStage>& stages,
-                 const Stretch& of,
-                 const Progress& progress,
-                 Trajectory& trajectory) {
+/// Searches a stretch by these stages; it stays as it was unless its limits are kept better
+/// then.
+void searchWithin(const MotionProblem& problem,
+                  const std::vector<SearchStage>& stages,
+                  const Stretch& of,
+                  PartSearch& search,
+                  Trajectory& trajectory) {
   const auto part = [&of](auto& values) {
     return std::pair(values.begin() + static_cast<std::ptrdiff_t>(of.first),
                      values.begin() + static_cast<std::ptrdiff_t>(of.end));
@@ -216,33 +232,30 @@ void solveWithin(const MotionProblem& problem,
   const Poses poses(pose, last_pose);
   const std::vector<double> objectives(objective, last_objective);
   const double share = limitShare(problem, trajectory.poses, of);
-  solveParts(problem, options, stages, of.first, of.end, progress, trajectory);
+  search.search(stages, of, "keeping limits");
   if (limitShare(problem, trajectory.poses, of) < share) return;
   std::copy(poses.begin(), poses.end(), pose);
   std::copy(objectives.begin(), objectives.end(), objective);
 }
 
 /// What lies beyond a limit costs, and a tight one asks for more than a cost: it is brought
-/// within, as far as that goes, first with what lies about it alone; where it does not, that is
-/// noted.
+/// within, as far as that goes, first with what lies about it alone, all of it if that fails;
+/// where it does not, that is noted.
 void keepLimits(const MotionProblem& problem,
-                const MotionOptions& options,
-                std::size_t first,
-                std::size_t end,
-                const Progress& progress,
+                const Stretch& all,
+                PartSearch& search,
                 Trajectory& trajectory) {
   const bool touches = problem.avoidance == nullptr;
   const std::vector<SearchStage>& limited = touches ? touching_limited : avoiding_limited;
   const std::vector<SearchStage>& smoothed = touches ? touching_smoothed : avoiding_smoothed;
-  const Stretch all{first, end};
-  constexpr double kAll = 1e9;  // s
+  const double whole_s = problem.time_s.back() - problem.time_s.front();
   const std::pair<const std::vector<SearchStage>*, double> attempts[] = {
-      {&limited, 0.25}, {&smoothed, 0.5}, {&limited, kAll}, {&smoothed, kAll}};
+      {&limited, 0.25}, {&smoothed, 0.5}, {&limited, whole_s}, {&smoothed, whole_s}};
   for (const auto& [stages, about_s] : attempts)
     for (const Stretch& beyond : beyondLimits(problem, trajectory.poses, all, about_s))
-      solveWithin(problem, options, *stages, beyond, progress, trajectory);
+      searchWithin(problem, *stages, beyond, search, trajectory);
   constexpr double kWorthNoting = 1.01;
-  const double share = limitShare(problem, trajectory.poses, all);
+  const double share = limitShare(problem, trajectory.poses, {0, trajectory.poses.size()});
   if (share > kWorthNoting)
     trajectory.notes.push_back(fmt::format(
         "a joint's velocity or acceleration comes to {:.2f} times its limit", share));
@@ -269,16 +282,16 @@ Trajectory solveOffline(const MotionProblem& problem,
                            : followedMinima(problem, options, progress, known);
   }
   trajectory.objective.assign(trajectory.poses.size(), 0.0);
-  const std::size_t count = problem.time_s.size();
+  const Stretch all{0, problem.time_s.size()};
+  PartSearch search(problem, options, progress, trajectory);
   if (problem.avoidance == nullptr) {
-    solveParts(problem, options, touching_stages, 0, count, progress, trajectory);
+    search.search(touching_stages, all, kSolving);
   } else {
-    const auto stride = static_cast<std::size_t>(strideOf(problem.time_s, kApart));
-    solveParts(problem, options, avoiding_stages, 0, count, progress, trajectory, stride);
-    if (stride > 1)
-      solveParts(problem, options, avoiding_between, 0, count, progress, trajectory);
+    const bool has_between = framesApart(problem.time_s, all, kApart).size() < all.end;
+    search.search(avoiding_stages, all, has_between ? "solving some frames" : kSolving, kApart);
+    if (has_between) search.search(avoiding_between, all, kSolving);
   }
-  keepLimits(problem, options, 0, problem.time_s.size(), progress, trajectory);
+  keepLimits(problem, all, search, trajectory);
   return trajectory;
 }
 
@@ -296,11 +309,10 @@ void solveAgain(const MotionProblem& problem,
     Eigen::VectorXd& q = trajectory.poses[static_cast<std::size_t>(k)].q;
     q = q.cwiseMax(problem.lowerAt(k)).cwiseMin(problem.upperAt(k));
   }
-  solveParts(problem, options, problem.avoidance == nullptr ? touching_again : avoiding_again,
-             static_cast<std::size_t>(first), static_cast<std::size_t>(end), progress,
-             trajectory);
-  keepLimits(problem, options, static_cast<std::size_t>(first), static_cast<std::size_t>(end),
-             progress, trajectory);
+  const Stretch anew{static_cast<std::size_t>(first), static_cast<std::size_t>(end)};
+  PartSearch search(problem, options, progress, trajectory);
+  search.search(problem.avoidance == nullptr ? touching_again : avoiding_again, anew, kSolving);
+  keepLimits(problem, anew, search, trajectory);
 }
 
 void stepOn(const MotionProblem& problem,
@@ -310,8 +322,9 @@ void stepOn(const MotionProblem& problem,
   validate(problem);
   validate(options);
   HANDGRAFT_REQUIRE(trajectory.poses.size() == problem.time_s.size());
-  solveParts(problem, options, problem.avoidance == nullptr ? touching_step : avoiding_step, 0,
-             problem.time_s.size(), progress, trajectory);
+  PartSearch(problem, options, progress, trajectory)
+      .search(problem.avoidance == nullptr ? touching_step : avoiding_step,
+              {0, problem.time_s.size()}, kSolving);
 }
 
 }  // namespace handgraft::manipulation

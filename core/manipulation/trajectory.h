@@ -44,8 +44,8 @@ struct Smoothness {
 Smoothness measureSmoothness(const MotionProblem& problem,
                              const std::vector<hand::HandPose>& poses);
 
-/// How many times its limit a joint's velocity is that comes to frame `k`, or its acceleration
-/// between the two before it and that; the largest one. 1: none is beyond. Cost: O(joints).
+/// How many times its limit a joint's velocity from frame k - 1 to k is, or its acceleration
+/// over frames k - 2 to k; the largest one. At most 1: none is beyond. Cost: O(joints).
 double limitShareAt(const MotionProblem& problem,
                     const std::vector<hand::HandPose>& poses,
                     std::size_t k);

@@ -23,6 +23,7 @@ constexpr double kNearWeight = 0.1;
 constexpr double kShownShare = 0.03;
 constexpr double kForgets = 0.5;         // s, in which a hand forgets how it held
 constexpr double kCatchesUp = 0.5;       // s, with a demonstrator who was not seen for a while
+constexpr int kMostPauses = 2;           // in a row; frames that are all so far apart are slow
 constexpr double kSlideTime = 0.05;      // s
 constexpr double kLongestStep = 0.0125;  // s
 constexpr double kSearchTime = 0.15;     // s; twice what most searches take
@@ -285,12 +286,12 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
     resumed_.reset();
     if (grasp_.pose_O) {
       solver_.begin(*grasp_.pose_O);
-      if (!paused_) resumed_ = Resumed{time_s, *grasp_.pose_O};
+      if (pauses_ < kMostPauses) resumed_ = Resumed{time_s, *grasp_.pose_O};
     }
     searches_.beginAnew(time_s);
     touched_s_ = time_s;
   }
-  paused_ = paused;
+  pauses_ = paused ? pauses_ + 1 : 0;
   const bool begins = !grasp_.pose_O;
   if (!has_begun_)
     begin(time_s, begins || paused, shown, progress);
@@ -298,7 +299,10 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
     lookAnew(time_s, step_s, shown, progress);
   const std::optional<hand::HandPose> near_O = comeNear(shown);
   std::optional<hand::HandPose> free_O = freeGoal(shown, near_O);
+  if (has_begun_ && grasp_.isTouching()) resumed_.reset();  // it is where it holds
   if (free_O) free_O = goingOn(*free_O);
+  // Nothing of so long ago holds it back.
+  if (pauses_ > kMostPauses && free_O && !grasp_.isTouching()) solver_.begin(*free_O);
   if (!has_begun_ && !free_O) return std::nullopt;
   // Of frames that are far apart in several steps: places follow the hand, and it them.
   const int steps =

@@ -43,10 +43,11 @@ namespace handgraft::retargeting {
 /// that a hand without a pose, or frames farther apart, begins with is waited for.
 ///
 /// After a pause of 0.25 s, or where time has run backwards by as much, it goes on from where
-/// the hand is, at rest: one that holds nothing is where it is shown half a second later. One
-/// frame or two in which a joint jumps as no finger moves, or the wrist as no arm does, are
-/// passed over: what touched before them touches still. Deterministic. Cost: some tenths of a
-/// millisecond a frame, tens of milliseconds once.
+/// the hand is, at rest: one that holds nothing is where it is shown half a second later (at
+/// once from the third pause in a row on: those are slow frames). One frame or two in which a
+/// joint jumps as no finger moves, or the wrist as no arm does, are passed over: what touched
+/// before them touches still. Deterministic. Cost: some tenths of a millisecond a frame, tens
+/// of milliseconds once.
 class LiveFollower {
  public:
   static constexpr int kTouchesToBegin = LiveBeginning::kTouchesToBegin;
@@ -151,7 +152,7 @@ class LiveFollower {
   std::optional<LiveApproach> approach_;
   std::optional<GoingAlong> along_;
   std::optional<Resumed> resumed_;
-  bool paused_ = false;  // before the last frame: of frames that are all so far apart, each one
+  int pauses_ = 0;              // before the last frames, in a row
   double touched_s_ = 0.0;      // when something did last
   std::optional<LiveWay> way_;  // to a better pose that was found far from the hand
   std::optional<Looking> looking_;

@@ -35,11 +35,11 @@ void FollowAnswers::came(const v1::PoseSolution& solution, Clock::time_point now
   const Last answer{found->second.number, solution.time_s().front(), solution.X_WH(),
                     solution.joint_positions()};
   sent_.erase(found);
-  if (last_ && last_->joints.size() == answer.joints.size()) step(*last_, answer);
+  if (last_ && last_->joints.size() == answer.joints.size()) noteStep(*last_, answer);
   last_ = answer;
 }
 
-void FollowAnswers::step(const Last& before, const Last& now) {
+void FollowAnswers::noteStep(const Last& before, const Last& now) {
   if (now.number <= before.number) return;  // answers that overtook each other
   const auto frames = static_cast<double>(now.number - before.number);
   const double seconds = now.time_s - before.time_s;

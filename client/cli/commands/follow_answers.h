@@ -91,7 +91,7 @@ class FollowAnswers {
   };
 
   /// Under the lock.
-  void step(const Last& before, const Last& now);
+  void noteStep(const Last& before, const Last& now);
 
   std::optional<Last> last_;
   Step largest_step_;

@@ -338,5 +338,16 @@ TEST(ContactSequence, ReadsARecordedOne) {
   EXPECT_LT(way, 3.0);
 }
 
+TEST(StrideOf, IsAllOfItWhereThatIsShorter) {
+  for (const double rate_hz : {24.0, 30.0, 60.0, 120.0, 1000.0}) {
+    std::vector<double> time_s(50);
+    for (std::size_t k = 0; k < time_s.size(); ++k)
+      time_s[k] = static_cast<double>(k) / rate_hz;
+    EXPECT_EQ(strideOf(time_s, 1e9), 49) << rate_hz;
+    EXPECT_EQ(strideOf(time_s, 0.0), 1) << rate_hz;
+    EXPECT_EQ(strideOf(time_s, 3.0 / rate_hz), 3) << rate_hz;
+  }
+}
+
 }  // namespace
 }  // namespace handgraft::manipulation

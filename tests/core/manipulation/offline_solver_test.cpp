@@ -450,6 +450,32 @@ TEST_F(BallsAtABall, StayOut) {
   EXPECT_LT(deepest(solveCausal(problem, {}, Progress()).poses), 5e-4);
 }
 
+// A joint that has to leap at one time is slowed down there.
+TEST(OfflineSolver, ALimitThatOneLeapBreaksIsKept) {
+  Scene scene;
+  hand::HandPose near = scene.from;
+  near.q += 0.3 * (scene.to.q - scene.from.q);
+  std::vector<hand::HandPose> poses(240, scene.from);
+  std::fill(poses.begin() + 120, poses.end(), near);
+  MotionProblem problem = reachableMotion(scene.model, poses, 120.0, scene.random);
+  MotionOptions options;
+  options.smoothness = 100.0;
+  const Trajectory free = solveOffline(problem, options, Progress());
+  problem.velocity_limit.setConstant(0.6 * measureSmoothness(problem, free.poses).max_velocity);
+  problem.acceleration_limit.setConstant(
+      0.9 * measureSmoothness(problem, free.poses).max_acceleration);
+  const Smoothness broken = measureSmoothness(problem, free.poses);
+  double share = 0.0;
+  for (std::size_t k = 0; k < free.poses.size(); ++k)
+    share = std::max(share, limitShareAt(problem, free.poses, k));
+  EXPECT_NEAR(share, std::max(broken.velocity_share, broken.acceleration_share), 1e-9);
+  EXPECT_GT(share, 1.5);
+  const Trajectory kept = solveOffline(problem, options, Progress());
+  EXPECT_LE(measureSmoothness(problem, kept.poses).velocity_share, 1.0);
+  EXPECT_LE(measureSmoothness(problem, kept.poses).acceleration_share, 1.0);
+  EXPECT_TRUE(kept.notes.empty());
+}
+
 // Some frames are searched first, those between them and behind the last one next: none of it
 // shows, nor where parts meet.
 TEST_F(BallsAtABall, GoAboutItInPartsWithoutASeam) {
@@ -473,6 +499,27 @@ TEST_F(BallsAtABall, GoAboutItInPartsWithoutASeam) {
   }
   EXPECT_LT(measureSmoothness(problem, parts.poses).rms_jerk,
             1.2 * measureSmoothness(problem, whole.poses).rms_jerk);
+}
+
+// Also where 25 frames lie between two of those, and where there are but a few.
+TEST_F(BallsAtABall, StayOutAtAnyRate) {
+  hand::HandPose beside = pose;
+  beside.X_WH.translation() += Eigen::Vector3d(0.01, 0.01, -0.005);
+  for (const auto& [frames, rate_hz] : {std::pair(150, 1000.0), {3, 120.0}, {4, 240.0}}) {
+    MotionProblem problem =
+        reachableMotion(hand.model, smoothPoses(pose, beside, frames), rate_hz, random);
+    problem.avoidance = avoidance;
+    MotionOptions options;
+    options.frames_at_once = 16;
+    std::vector<double> told;
+    const Progress listened([&](std::string_view, double fraction) {
+      told.push_back(fraction);
+    });
+    const Trajectory answer = solveOffline(problem, options, listened);
+    EXPECT_LT(deepest(answer.poses), 5e-4) << rate_hz;
+    EXPECT_LT(meanFit(fitFrames(problem, answer.poses)).mean_mm, 25.0) << rate_hz;
+    EXPECT_LE(*std::max_element(told.begin(), told.end()), 1.0);
+  }
 }
 
 }  // namespace

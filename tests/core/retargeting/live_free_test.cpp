@@ -258,12 +258,56 @@ TEST_F(LiveFollowing, CatchesUpBehindAPauseWithoutAStep) {
   ASSERT_TRUE(fresh);
   EXPECT_LT((answer->pose.X_WH.translation() - fresh->pose.X_WH.translation()).norm(), 0.003);
 
-  for (int k = 1; k < 4; ++k)
-    answer = live->follow(away(200.0 + k, 0.2 * k), Progress());
-  const auto last = followerOf(hand)->follow(away(0.0, 0.6), Progress());
-  ASSERT_TRUE(answer && last);
-  // What is smooth holds back a single step of 0.2 m by a tenth.
-  EXPECT_LT((answer->pose.X_WH.translation() - last->pose.X_WH.translation()).norm(), 0.03);
+  for (int k = 1; k < 6; ++k) {
+    answer = live->follow(away(200.0 + k, 0.15 * k), Progress());
+    const auto alone = followerOf(hand)->follow(away(0.0, 0.15 * k), Progress());
+    ASSERT_TRUE(answer && alone);
+    if (k < 3) continue;  // two gaps in a row may be gaps
+    EXPECT_LT((answer->pose.X_WH.translation() - alone->pose.X_WH.translation()).norm(), 0.003)
+        << k;
+  }
+}
+
+// Two gaps with a frame between them are no slow frames.
+TEST_F(LiveFollowing, CatchesUpBehindTwoGapsInARow) {
+  const auto live = followerOf(handOfLibrary("human20"));
+  std::optional<Eigen::Vector3d> before_O;
+  const auto step_to = [&](double time_s, double away_m) {
+    const DemonstratedFrame frame = grip(time_s, 0.1, away_m);
+    const auto answer = live->follow(frame, Progress());
+    EXPECT_TRUE(answer);
+    if (!answer) return 0.0;
+    const Eigen::Vector3d now_O = (inverse(frame.X_WO) * answer->pose.X_WH).translation();
+    const double step = before_O ? (now_O - *before_O).norm() : 0.0;
+    before_O = now_O;
+    return step;
+  };
+  for (int k = 0; k < 30; ++k)
+    step_to(k / 60.0, 0.2);
+  EXPECT_LT(step_to(0.8, 0.7), 0.04);
+  for (int k = 0; k < 45; ++k)
+    EXPECT_LT(step_to(1.1 + k / 60.0, 0.7), 0.04) << k;
+}
+
+// What it held behind a pause is let go from where that was, not from before the pause.
+TEST_F(LiveFollowing, LetsGoOfWhatItTookBehindAPause) {
+  const auto live = followerOf(handOfLibrary("human20"));
+  for (int k = 0; k < 30; ++k)
+    (void)live->follow(grip(k / 60.0, 0.1, 0.3), Progress());
+  std::optional<Eigen::Vector3d> before_O;
+  for (int k = 0; k < 60; ++k) {
+    const DemonstratedFrame frame =
+        k < 12
+            ? grip(2.0 + k / 60.0, kBend_rad)
+            : grip(2.0 + k / 60.0, std::max(0.1, kBend_rad - 0.2 * (k - 11)), 0.005 * (k - 11));
+    const auto answer = live->follow(frame, Progress());
+    ASSERT_TRUE(answer) << k;
+    const Eigen::Vector3d now_O = (inverse(frame.X_WO) * answer->pose.X_WH).translation();
+    if (before_O) {
+      EXPECT_LT((now_O - *before_O).norm(), 0.03) << k;
+    }
+    before_O = now_O;
+  }
 }
 
 // A clock that begins anew while the hand lets go does not hold it back.
