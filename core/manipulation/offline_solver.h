@@ -10,7 +10,9 @@ namespace handgraft::manipulation {
 
 /// All frames at once (motion_objective.h): a damped Newton method over the band of frames, the
 /// joints within their limits by an active set; limits of velocity and acceleration are charged
-/// from 2 % before them on, more and more.
+/// from 2 % before them on, more and more. Out of an object frames 25 ms apart are searched
+/// first, those between them from there. Where a limit is not kept, what lies about it is
+/// searched again, all frames only if that does not help.
 ///
 /// Starts from single frames' minima joined so that no finger jumps (motion_starts.h), out
 /// of an object also from poses that somebody knows, `known`; or from `start`, a pose a frame;
