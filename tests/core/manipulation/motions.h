@@ -10,6 +10,12 @@
 
 namespace handgraft::test {
 
+inline double distanceOf(const hand::HandPose& a, const hand::HandPose& b) {
+  return (a.X_WH.translation() - b.X_WH.translation()).norm() +
+         vectorFromRotation(a.X_WH.linear() * b.X_WH.linear().transpose()).norm() +
+         (a.q - b.q).norm();
+}
+
 /// Poses that go smoothly from one to another and a little beyond: joints and the root's place
 /// by a sine, its rotation about one axis.
 inline std::vector<hand::HandPose> smoothPoses(const hand::HandPose& from,
