@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/manipulation/band_search.h"
+#include "core/manipulation/motion.h"
 #include "core/manipulation/motion_objective.h"
 #include "core/manipulation/motion_starts.h"
 

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/manipulation/causal_solver.h"
 #include "core/manipulation/motion_objective.h"
 
 #include "tests/core/manipulation/motions.h"
