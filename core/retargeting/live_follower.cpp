@@ -36,6 +36,16 @@ constexpr double kServesMore = 0.75;
 // What is found for a hand that has come near must show so much more of what touches.
 constexpr double kShowsMore = 0.3;
 
+/// The same, and as firmly to a pose.
+optimize::PoseProblem pulled(optimize::PoseProblem single,
+                             const hand::HandModel& model,
+                             const hand::HandPose& goal_O,
+                             double weight) {
+  const std::vector<optimize::PointPair> pull = pairsTo(model, goal_O, weight);
+  single.pairs.insert(single.pairs.end(), pull.begin(), pull.end());
+  return single;
+}
+
 }  // namespace
 
 LiveFollower::LiveFollower(const session::Document& document,
@@ -231,10 +241,7 @@ optimize::PoseProblem LiveFollower::problemHolding(
 optimize::PoseProblem LiveFollower::problemTo(const hand::HandPose& goal_O) const {
   const hand::HandModel& model = *setting_->hand.model;
   if (!has_begun_ && grasp_.isTouching()) {
-    optimize::PoseProblem single = problemHolding(goal_O);
-    const auto pull = pairsTo(model, goal_O, kNearWeight);
-    single.pairs.insert(single.pairs.end(), pull.begin(), pull.end());
-    return single;
+    return pulled(problemHolding(goal_O), model, goal_O, kNearWeight);
   }
   optimize::PoseProblem single = grasp_.problem();
   // What is inside would keep the hand there.
@@ -249,10 +256,8 @@ optimize::PoseProblem LiveFollower::problemLetGo(
   optimize::PoseProblem single = problemHolding(near_O);
   for (optimize::PointPair& pair : single.pairs)
     pair.weight *= 1.0 - firmness;
-  const auto pull =
-      pairsTo(*setting_->hand.model, way_->at(way_->end()), firmness * firmness * kWayWeight);
-  single.pairs.insert(single.pairs.end(), pull.begin(), pull.end());
-  return single;
+  return pulled(std::move(single), *setting_->hand.model, way_->at(way_->end()),
+                firmness * firmness * kWayWeight);
 }
 
 /// Alone by its way: what touches has no say yet.
